@@ -1,0 +1,111 @@
+# What people type; CMakeLists.txt says how it is built. `make help` lists the verbs.
+
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := build
+
+JOBS ?= $(shell nproc)
+PREFIX ?= /usr/local
+SEED ?= 1
+# Seconds that one test may take.
+TIMEOUT ?= 600
+
+CONFIGURE = cmake -S . -G Ninja >/dev/null
+# Even a quiet ninja says that it has nothing to do, and CMake that it has looked again.
+COMPILE = cmake --build $(1) -j $(JOBS) -- --quiet | { grep -vE '^(ninja: no work to do|-- )' || true; }
+CTEST = ctest --test-dir $(1) --output-on-failure --no-tests=error --timeout $(TIMEOUT) -j $(JOBS)
+
+# The verbs share build folders.
+.NOTPARALLEL:
+.PHONY: build run test check-all bench asan tsan valgrind tidy format install clean help
+
+build: build/build.ninja
+	@$(call COMPILE,build)
+
+# Tests are left out until they are asked for, so that a build needs no test packages.
+build/build.ninja:
+	@.ci/setup build
+	@echo "building packcell in build/"
+	@$(CONFIGURE) -B build -DPACKCELL_TESTS=OFF
+
+build/tests/CTestTestfile.cmake: | build/build.ninja
+	@.ci/setup build test
+	@$(CONFIGURE) -B build -DPACKCELL_TESTS=ON
+
+run: build
+	@mkdir -p out
+	@build/bin/packcell-gen --kind random --bin 10x10 --count 5 --seed $(SEED) --out out/instances.jsonl
+	@build/bin/packcell-pack --in out/instances.jsonl --out out/episodes.jsonl \
+	    --scenario D-R5A3O1 --rotation on --repack anytime --seed $(SEED) --svg out
+
+test: build/tests/CTestTestfile.cmake build
+	@$(call CTEST,build)
+
+check-all:
+	@PACKCELL_CHECK_ALL=1 $(MAKE) --no-print-directory test TIMEOUT=3600
+	@$(MAKE) --no-print-directory asan tsan valgrind tidy
+
+bench: build
+	@build/bin/packcell-bench
+
+# Assertions are live in the instrumented builds. Their warnings are judged in the plain build alone:
+# instrumentation makes GCC guess wrong.
+INSTRUMENTED = $(CONFIGURE) -B build/$@ -DCMAKE_BUILD_TYPE=Debug -DPACKCELL_TESTS=ON -DPACKCELL_WERROR=OFF
+
+asan:
+	@.ci/setup build test
+	@$(INSTRUMENTED) -DPACKCELL_SANITIZE=address
+	@$(call COMPILE,build/asan)
+	@$(call CTEST,build/asan)
+
+# GCC 12's thread sanitizer does not cope with much address randomisation; setarch -R, where it is
+# allowed, turns it off.
+tsan:
+	@.ci/setup build test
+	@$(INSTRUMENTED) -DPACKCELL_SANITIZE=thread
+	@$(call COMPILE,build/tsan)
+	@$$(setarch -R true 2>/dev/null && echo setarch -R) $(call CTEST,build/tsan)
+
+valgrind:
+	@.ci/setup build test
+	@$(INSTRUMENTED) -DPACKCELL_PROGRAMS=OFF -DCMAKE_CXX_FLAGS_DEBUG="-g -O1" \
+	    "-DPACKCELL_TEST_LAUNCHER=valgrind;--quiet;--error-exitcode=99;--leak-check=full"
+	@$(call COMPILE,build/valgrind)
+	@$(call CTEST,build/valgrind) --label-regex '^(api|unit)$$'
+
+# clang-tidy counts the warnings that it does not show on stderr, where only its failures matter.
+tidy: build
+	@.ci/setup tidy
+	@find src examples -name '*.cpp' -print0 \
+	    | xargs -0 -n 1 -P $(JOBS) clang-tidy -p build --quiet 2>build/tidy.log \
+	    || { grep -v 'warnings generated' build/tidy.log; exit 1; }
+
+format:
+	@.ci/setup test
+	@tests/house/test_format.sh --fix .
+
+# The program loader learns of a new library by ldconfig; a staged tree is not for this machine.
+install: build
+	@$(CONFIGURE) -B build -DCMAKE_INSTALL_PREFIX=$(PREFIX)
+	@$(call COMPILE,build)
+	@DESTDIR=$(DESTDIR) cmake --install build >/dev/null
+	@if [ -z "$(DESTDIR)" ] && [ "$$(id -u)" = 0 ]; then ldconfig; fi
+	@echo "installed under $(DESTDIR)$(PREFIX)"
+
+clean:
+	@rm -rf build out
+
+help:
+	@echo "make            build the library and the programs in build/"
+	@echo "make run        pack bins from the conveyor with a dual-arm cell; results in out/ (SEED=$(SEED))"
+	@echo "make test       run every test"
+	@echo "make check-all  tests with full counts, asan, tsan, valgrind, tidy"
+	@echo "make bench      our figures beside the paper's, short counts"
+	@echo "make asan       tests with the address and undefined-behaviour sanitizers"
+	@echo "make tsan       tests with the thread sanitizer"
+	@echo "make valgrind   unit and api tests under valgrind"
+	@echo "make tidy       clang-tidy over src/ and examples/"
+	@echo "make format     clang-format over all sources"
+	@echo "make install    install (PREFIX=$(PREFIX) DESTDIR=)"
+	@echo "make clean      remove build/ and out/"
+	@echo "JOBS=$(JOBS) sets the number of parallel jobs, TIMEOUT=$(TIMEOUT) the seconds a test may take."

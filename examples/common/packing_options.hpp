@@ -1,0 +1,61 @@
+// The options of every program that reads instances and packs them.
+#pragma once
+
+#include <string>
+
+#include "common/episode.hpp"
+#include "common/episode_json.hpp"
+#include "common/instance_reader.hpp"
+#include "common/options.hpp"
+
+namespace packcell_programs {
+
+// How to pack: --scenario --rotation --repack --policy --method --budget-ms --budget-nodes
+// --select --buffer --seed. To be kept alive until the command line was parsed.
+class PackingOptions {
+public:
+    PackingOptions();
+    void add_to(CommandLine &line);
+
+    // After parsing. Throws UsageError for a policy that there is not.
+    PackOptions pack_options() const;
+    PolicyHandle policy() const;
+    EpisodeLabel label() const;
+    bool rotation() const { return rotation_; }
+
+private:
+    void read_scenario(const std::string &value);
+    void read_select(const std::string &value);
+    void read_buffer(const std::string &value);
+
+    pkc_scenario scenario_;
+    pkc_planner_options planner_;
+    pkc_budget budget_;
+    bool rotation_;
+    std::string repack_ = "off";
+    std::string method_ = "exact";
+    std::string policy_ = "contact";
+    uint64_t budget_nodes_;
+    double budget_ms_ = 0;
+    bool nodes_given_ = false;
+    bool ms_given_ = false;
+    uint64_t seed_ = 1;
+};
+
+// What to read: --format --bin --bins-file --bins --cell --clearance --margin.
+class InputOptions {
+public:
+    void add_to(CommandLine &line);
+
+    // After parsing. Throws UsageError for options that do not go together.
+    ReadOptions read_options(bool rotation) const;
+
+private:
+    void read_cell(const std::string &value);
+
+    ReadOptions options_;
+    uint64_t bins_ = 0;
+    bool spacing_given_ = false;
+};
+
+}  // namespace packcell_programs

@@ -1,0 +1,440 @@
+/* packcell: plans a robotic bin-packing cell.
+ *
+ * Rectangular items arrive on a conveyor; one or two arms pack them into a bin and may unpack and
+ * repack what is already there. The terms and the algorithms are those of "A Hierarchical Bin
+ * Packing Framework with Dual Manipulators via Heuristic Search and Deep Reinforcement Learning"
+ * (Lee and Nam), called "the paper" below.
+ *
+ * Conventions, for every function:
+ *  - It returns a pkc_status. PKC_OK is 0; a failing call leaves every out-parameter untouched, and
+ *    pkc_last_error() says which value was wrong and what is allowed.
+ *  - Lengths are in bin cells: x to the right, y down, origin at the top-left cell, cell index
+ *    x + y * W. Items are w x h cells; `rot` 1 turns an item by a quarter, which swaps w and h.
+ *  - Handles come from a `create` or `load` call and go back to the matching `free`, which takes
+ *    NULL too. A handle belongs to one thread at a time: a second thread gets PKC_E_BUSY. A
+ *    pkc_policy is immutable and may be shared by threads.
+ *  - A handle keeps alive what it needs; handles may be freed in any order.
+ *  - Arrays are the caller's. A function that fills one takes its capacity in elements and stores
+ *    the number of elements there are; with too small an array it stores nothing but that number
+ *    and returns PKC_E_CAPACITY. NULL with capacity 0 asks for the number.
+ *  - Option structs begin with struct_size; fill them by their `_init` function before setting
+ *    fields, so that a program built today runs against a later library.
+ *  - Nothing is printed, no file is touched, no thread is started, no global state is kept.
+ */
+#ifndef PACKCELL_H
+#define PACKCELL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define PKC_API __attribute__((visibility("default")))
+#else
+#define PKC_API
+#endif
+
+/* ---- Version and errors ---------------------------------------------------------------------- */
+
+#define PKC_VERSION_MAJOR 0
+#define PKC_VERSION_MINOR 1
+#define PKC_VERSION_PATCH 0
+
+/* Status of a call. The numbers are pinned; new ones are only added. */
+typedef int32_t pkc_status;
+#define PKC_OK 0
+#define PKC_E_ARGUMENT (-1)     /* a pointer is NULL or a value lies outside what is allowed */
+#define PKC_E_STRUCT (-2)       /* struct_size names no layout that this library knows */
+#define PKC_E_MEMORY (-3)       /* memory could not be had */
+#define PKC_E_BUSY (-4)         /* the handle is in use by another thread */
+#define PKC_E_STATE (-5)        /* the call does not fit the handle's state */
+#define PKC_E_CAPACITY (-6)     /* the caller's array is too small */
+#define PKC_E_LIMIT (-7)        /* more than the limits that the handle was created with */
+#define PKC_E_FORMAT (-8)       /* bytes do not hold what they should */
+#define PKC_E_IO (-9)           /* a named file could not be read or written */
+#define PKC_E_UNSUPPORTED (-10) /* not in this build */
+#define PKC_E_INTERNAL (-11)    /* a fault of packcell's own; please report it */
+
+/* Version of the linked library: major * 10000 + minor * 100 + patch. */
+PKC_API uint32_t pkc_version(void);
+
+/* "PKC_E_ARGUMENT" and the like; "unknown status" for other numbers. Static storage. */
+PKC_API const char *pkc_status_name(pkc_status status);
+
+/* One line about this thread's last failing call: the value and what is allowed; "" before the
+ * first failure. Valid until the thread's next call into packcell. */
+PKC_API const char *pkc_last_error(void);
+
+/* ---- Plain records (frozen: they are elements of arrays and never grow) ---------------------- */
+
+#define PKC_ITEM_NO_ROTATE 1u /* may only be packed with rot 0 */
+#define PKC_ITEM_PINNED 2u    /* is never unpacked */
+
+/* An item. `id` is the caller's, >= 0, and unique among what a bin and a queue hold; w and h are
+ * 1..128 cells. */
+typedef struct pkc_item {
+    int32_t id;
+    int32_t w;
+    int32_t h;
+    uint32_t flags; /* PKC_ITEM_* */
+} pkc_item;
+
+/* An item in a bin, its top-left corner at (x, y). */
+typedef struct pkc_placement {
+    pkc_item item;
+    int32_t x;
+    int32_t y;
+    int32_t rot;
+} pkc_placement;
+
+/* An item on the conveyor or in a buffer. `arms`: bit 0 and bit 1 say which arms can take it now
+ * (0: none yet). `recognized`: 1 when the planner sees its size. */
+typedef struct pkc_queued {
+    pkc_item item;
+    int32_t arms;
+    int32_t recognized;
+} pkc_queued;
+
+#define PKC_UNPACK 1 /* item, arm: from the bin into the arm's buffer */
+#define PKC_PACK 2   /* item, x, y, rot, arm: from the conveyor or the arm's buffer into the bin */
+#define PKC_SKIP 3   /* item: taken off the conveyor for good (sets only) */
+#define PKC_TERMINATE 4 /* the bin is closed */
+
+/* A task primitive (paper, Sec. III-A). Fields that an operation does not use are 0. */
+typedef struct pkc_action {
+    int32_t op;
+    int32_t item;
+    int32_t x;
+    int32_t y;
+    int32_t rot;
+    int32_t arm;
+} pkc_action;
+
+/* FNV-1a 64 over op, item, x, y, rot, arm of each action as little-endian int32: equal plans have
+ * equal hashes on every machine. */
+PKC_API pkc_status pkc_plan_hash(const pkc_action *actions, size_t count, uint64_t *out_hash);
+
+/* ---- Bin ------------------------------------------------------------------------------------- */
+
+#define PKC_MAX_SIDE 128 /* cells of a bin's or an item's side */
+
+typedef struct pkc_bin pkc_bin;
+
+typedef struct pkc_bin_info {
+    uint32_t struct_size;
+    int32_t w, h;
+    int32_t items;          /* items packed */
+    int32_t occupied_cells; /* fixed cells and items */
+    int32_t fixed_cells;    /* cells taken by pkc_bin_block */
+    uint64_t hash;          /* of the occupied cells; equal occupancy, equal hash */
+} pkc_bin_info;
+PKC_API pkc_status pkc_bin_info_init(pkc_bin_info *info, size_t size);
+
+/* An empty bin of w x h cells, each 1..128. Free with pkc_bin_free. */
+PKC_API pkc_status pkc_bin_create(int32_t w, int32_t h, pkc_bin **out_bin);
+PKC_API void pkc_bin_free(pkc_bin *bin);
+PKC_API pkc_status pkc_bin_clone(const pkc_bin *bin, pkc_bin **out_bin);
+
+/* Removes every item; fixed cells stay. */
+PKC_API pkc_status pkc_bin_clear(pkc_bin *bin);
+
+/* Marks free cells as taken from the start. They count in the utilisation. PKC_E_STATE if a cell
+ * of the w x h rectangle at (x, y) is taken already. */
+PKC_API pkc_status pkc_bin_block(pkc_bin *bin, int32_t x, int32_t y, int32_t w, int32_t h);
+
+/* Puts an item at (x, y), paper eq. (1). PKC_E_STATE if it does not lie on free cells alone or its
+ * id is in the bin already. Any position is allowed; the policies choose good ones. */
+PKC_API pkc_status pkc_bin_pack(pkc_bin *bin, const pkc_item *item, int32_t x, int32_t y,
+                                int32_t rot);
+
+/* Takes an item out; `out_placement` (may be NULL) gets where it was. PKC_E_STATE if it is not in
+ * the bin or is pinned. */
+PKC_API pkc_status pkc_bin_unpack(pkc_bin *bin, int32_t id, pkc_placement *out_placement);
+
+PKC_API pkc_status pkc_bin_get_info(const pkc_bin *bin, pkc_bin_info *info);
+
+/* The packed items in packing order. */
+PKC_API pkc_status pkc_bin_items(const pkc_bin *bin, pkc_placement *placements, size_t capacity,
+                                 size_t *out_count);
+
+/* W*H cells by index: the id of the item there, PKC_CELL_FREE or PKC_CELL_FIXED. */
+#define PKC_CELL_FREE (-1)
+#define PKC_CELL_FIXED (-2)
+PKC_API pkc_status pkc_bin_cells(const pkc_bin *bin, int32_t *cells, size_t capacity,
+                                 size_t *out_count);
+
+/* The feasibility mask b of the paper (Sec. IV-A) for an item that covers w x h cells as it is
+ * turned: W*H + 1 bytes, 1 where its top-left corner may lie; the last is "no position", 1 only
+ * when no other is. */
+PKC_API pkc_status pkc_bin_feasible(const pkc_bin *bin, int32_t w, int32_t h, uint8_t *mask,
+                                    size_t capacity, size_t *out_count);
+
+/* The contact reward r_low (paper eq. (3)): occupied cells, walls included, in the four strips
+ * around a w x h rectangle at (x, y), 0..2(w+h). PKC_E_STATE if the rectangle is not free. */
+PKC_API pkc_status pkc_bin_contact(const pkc_bin *bin, int32_t x, int32_t y, int32_t w, int32_t h,
+                                   int32_t *out_reward);
+
+/* ---- Scenario and queue ---------------------------------------------------------------------- */
+
+/* Who sees and reaches what (paper, Sec. V-C). n_max = accessible * robots - overlap * (robots - 1)
+ * items are within reach of some arm; 1 <= n_max <= recognized <= 64. */
+typedef struct pkc_scenario {
+    uint32_t struct_size;
+    int32_t robots;     /* 1 or 2 */
+    int32_t recognized; /* R: items whose size is known, from the conveyor's head */
+    int32_t accessible; /* A: items within one arm's reach */
+    int32_t overlap;    /* O: items within both arms' reach, 0..accessible; 0 for one robot */
+} pkc_scenario;
+PKC_API pkc_status pkc_scenario_init(pkc_scenario *scenario, size_t size); /* S-R1A1 */
+
+/* "S-R5A3" or "D-R5A3O1" and back; `capacity` bytes with the closing zero, 32 are enough. */
+PKC_API pkc_status pkc_scenario_parse(const char *name, pkc_scenario *scenario);
+PKC_API pkc_status pkc_scenario_name(const pkc_scenario *scenario, char *name, size_t capacity);
+
+/* The conveyor with its regions (paper, "Conveyor Logic") and one buffer an arm. */
+typedef struct pkc_queue pkc_queue;
+
+typedef struct pkc_queue_info {
+    uint32_t struct_size;
+    int32_t belt;     /* items on the conveyor, recognised or not */
+    int32_t buffered; /* items in the arms' buffers */
+    int32_t k_alpha;  /* items only arm 0 (rear, downstream) reaches */
+    int32_t k_shared; /* items both reach, or all accessible ones with one robot */
+    int32_t k_beta;   /* items only arm 1 (front) reaches */
+} pkc_queue_info;
+PKC_API pkc_status pkc_queue_info_init(pkc_queue_info *info, size_t size);
+
+PKC_API pkc_status pkc_queue_create(const pkc_scenario *scenario, pkc_queue **out_queue);
+PKC_API void pkc_queue_free(pkc_queue *queue);
+PKC_API pkc_status pkc_queue_clone(const pkc_queue *queue, pkc_queue **out_queue);
+
+/* An item arrives at the conveyor's end. PKC_E_STATE if the queue holds its id already. */
+PKC_API pkc_status pkc_queue_push(pkc_queue *queue, const pkc_item *item);
+
+/* An item leaves the conveyor or a buffer without being packed (removed by hand, say); the conveyor
+ * advances. PKC_E_STATE if the queue does not hold it. */
+PKC_API pkc_status pkc_queue_remove(pkc_queue *queue, int32_t id);
+
+PKC_API pkc_status pkc_queue_get_scenario(const pkc_queue *queue, pkc_scenario *scenario);
+PKC_API pkc_status pkc_queue_get_info(const pkc_queue *queue, pkc_queue_info *info);
+
+/* The conveyor's items in arrival order, and the buffered ones in the order they were unpacked. */
+PKC_API pkc_status pkc_queue_belt(const pkc_queue *queue, pkc_queued *items, size_t capacity,
+                                  size_t *out_count);
+PKC_API pkc_status pkc_queue_buffer(const pkc_queue *queue, pkc_queued *items, size_t capacity,
+                                    size_t *out_count);
+
+/* Carries out one step's actions on bin and queue, then lets the conveyor advance. All or nothing:
+ * PKC_E_STATE, with the action's index in pkc_last_error(), when one breaks a rule (an item out of
+ * reach, a second item from the belt by one arm, an overlap, a foreign buffer, ...). TERMINATE is
+ * accepted last and changes nothing: the caller then clears or replaces the bin. */
+PKC_API pkc_status pkc_step_apply(pkc_bin *bin, pkc_queue *queue, const pkc_action *actions,
+                                  size_t count);
+
+/* ---- Snapshots ------------------------------------------------------------------------------- */
+
+/* Bin, conveyor and buffers as bytes, little-endian and the same on every machine, for restarts and
+ * stateless workers. `out_size` gets the bytes needed or written. */
+PKC_API pkc_status pkc_snapshot_save(const pkc_bin *bin, const pkc_queue *queue, uint8_t *bytes,
+                                     size_t capacity, size_t *out_size);
+
+/* Makes a bin and a queue from such bytes; PKC_E_FORMAT names the first offset that is wrong. */
+PKC_API pkc_status pkc_snapshot_load(const uint8_t *bytes, size_t size, pkc_bin **out_bin,
+                                     pkc_queue **out_queue);
+
+/* ---- Millimetres ----------------------------------------------------------------------------- */
+
+/* From a real bin to cells and back. A side has floor((side - 2 * margin) / cell) cells; an item
+ * takes ceil((side + clearance) / cell). All in millimetres, finite, up to 1e6. */
+typedef struct pkc_grid {
+    uint32_t struct_size;
+    uint32_t reserved;   /* 0 */
+    double bin_w, bin_h; /* inside of the bin */
+    double margin;       /* kept free along each wall, >= 0 */
+    double cell;         /* side of a cell, > 0 */
+    double clearance;    /* kept free between neighbouring items, >= 0 */
+} pkc_grid;
+PKC_API pkc_status pkc_grid_init(pkc_grid *grid,
+                                 size_t size); /* the paper's: 320 x 260, 10, 30, 0 */
+PKC_API pkc_status pkc_grid_bin(const pkc_grid *grid, int32_t *out_w, int32_t *out_h);
+PKC_API pkc_status pkc_grid_item(const pkc_grid *grid, double w, double h, int32_t *out_w,
+                                 int32_t *out_h);
+
+/* Centre, from the inside top-left corner of the bin, of a w x h cell rectangle at cell (x, y): an
+ * item is put down with its own centre there, which shares slack and clearance evenly. */
+PKC_API pkc_status pkc_grid_centre(const pkc_grid *grid, int32_t x, int32_t y, int32_t w, int32_t h,
+                                   double *out_x, double *out_y);
+
+/* ---- Policy ---------------------------------------------------------------------------------- */
+
+/* The low level: where an item goes (paper eq. (5)). Immutable; may be shared by threads. */
+typedef struct pkc_policy pkc_policy;
+
+/* By name: "contact" (largest contact reward, the default), "bottom-left", "skyline",
+ * "shelf-next-fit", "maxrects-cp", "maxrects-bssf". */
+PKC_API pkc_status pkc_policy_create(const char *name, pkc_policy **out_policy);
+PKC_API void pkc_policy_free(pkc_policy *policy);
+PKC_API const char *pkc_policy_name(
+    const pkc_policy *policy); /* "" for NULL; lives as long as the policy */
+
+/* Names that pkc_policy_create knows, by index from 0; NULL past the last. Static storage. */
+PKC_API const char *pkc_policy_builtin(size_t index);
+
+/* The position x + y*W for an item that covers w x h cells as it is turned; W*H is "no position".
+ */
+PKC_API pkc_status pkc_policy_select(const pkc_policy *policy, const pkc_bin *bin, int32_t w,
+                                     int32_t h, int32_t *out_position);
+
+/* ---- Planner --------------------------------------------------------------------------------- */
+
+#define PKC_METHOD_PAPER 1 /* Algorithms 1-3 of the paper as written */
+#define PKC_METHOD_EXACT 2 /* the same tree, equal states once; repacking by an exact packer */
+
+#define PKC_REPACK_OFF 0
+#define PKC_REPACK_ANYTIME 1 /* raises the utilisation as far as the budget allows */
+#define PKC_REPACK_FULL 2    /* only for a plan that places every known item or fills the bin */
+
+#define PKC_SELECT_AUTO (-1) /* two candidates in method paper with repacking, else all */
+#define PKC_SELECT_ALL 0     /* no pruning */
+#define PKC_UNLIMITED (-1)
+
+typedef struct pkc_planner pkc_planner;
+
+typedef struct pkc_planner_options {
+    uint32_t struct_size;
+    int32_t method;   /* PKC_METHOD_EXACT */
+    int32_t rotation; /* 1: items may be turned; 0: never */
+    int32_t repack;   /* PKC_REPACK_OFF */
+    int32_t select;   /* PKC_SELECT_AUTO, PKC_SELECT_ALL, or candidates kept a node, 1..128 */
+    int32_t buffer_capacity; /* items an arm's buffer holds, 0..4096, or PKC_UNLIMITED */
+    int32_t skip;            /* 1: an accessible item that cannot be placed is skipped for good */
+    int32_t max_side;        /* largest bin side planned for, 1..128 (128) */
+    int32_t max_items;       /* most items in the bin at once, 1..16384 (256) */
+    int32_t max_known;       /* most recognised and buffered items together, 1..128 (128) */
+    uint64_t memory;         /* bytes for tables of states met, 64 KiB..4 GiB (8 MiB) */
+} pkc_planner_options;
+PKC_API pkc_status pkc_planner_options_init(pkc_planner_options *options, size_t size);
+
+/* All memory is taken here: planning allocates none. The planner keeps its own hold on the policy;
+ * NULL is the default policy. */
+PKC_API pkc_status pkc_planner_create(const pkc_planner_options *options, const pkc_policy *policy,
+                                      pkc_planner **out_planner);
+PKC_API void pkc_planner_free(pkc_planner *planner);
+
+/* How much a plan may cost. A budget in nodes alone gives the same plan on every machine. */
+typedef struct pkc_budget {
+    uint32_t struct_size;
+    uint32_t reserved;   /* 0 */
+    uint64_t nodes;      /* placements tried; 0: no limit */
+    double milliseconds; /* wall time; 0: no limit; finite, >= 0 */
+} pkc_budget;
+PKC_API pkc_status pkc_budget_init(pkc_budget *budget,
+                                   size_t size); /* 200000 nodes, no time limit */
+
+#define PKC_PROOF_NONE 0    /* nothing was to be proved: no repacking was needed or allowed */
+#define PKC_PROOF_OPTIMAL 1 /* no plan over the known items does better in this mode */
+#define PKC_PROOF_IMPOSSIBLE \
+    2                      /* full mode: the known items cannot all be placed, nor the bin filled */
+#define PKC_PROOF_BUDGET 3 /* the budget, or the memory, ended the search first */
+
+typedef struct pkc_plan_info {
+    uint32_t struct_size;
+    int32_t actions;            /* actions of this step */
+    int32_t packs, unpacks;     /* among them */
+    int32_t repacked;           /* 1: the plan came from repacking */
+    int32_t terminate;          /* 1: the bin is closed by this step */
+    int32_t proof;              /* PKC_PROOF_* */
+    int32_t cancelled;          /* 1: pkc_planner_cancel ended the search */
+    double utilization;         /* of the bin once all that was planned ahead is packed, 0..1 */
+    int64_t score;              /* mu: contact rewards summed over the forward simulation */
+    uint64_t nodes;             /* placements tried */
+    uint64_t tree_nodes;        /* of them in the first tree search, the rest in repacking */
+    uint64_t hash;              /* pkc_plan_hash of the actions */
+    double milliseconds;        /* thread CPU time spent planning */
+    double repack_milliseconds; /* of it in repacking */
+} pkc_plan_info;
+PKC_API pkc_status pkc_plan_info_init(pkc_plan_info *info, size_t size);
+
+/* Plans the next step (Algorithm 1) for what bin and queue hold; changes neither. Always a legal
+ * plan: at worst one greedy placement; TERMINATE alone or last when nothing accessible or buffered
+ * has a position and repacking found nothing better. `info` may be NULL. */
+PKC_API pkc_status pkc_planner_plan(pkc_planner *planner, const pkc_bin *bin,
+                                    const pkc_queue *queue, const pkc_budget *budget,
+                                    pkc_plan_info *info);
+
+/* The same work in slices, for cyclic tasks: begin copies the state, step spends up to `nodes`
+ * nodes (>= 1) and sets `out_done` to 1 when nothing is left to do or the budget is spent. The
+ * plan is the one that pkc_planner_plan gives. */
+PKC_API pkc_status pkc_planner_begin(pkc_planner *planner, const pkc_bin *bin,
+                                     const pkc_queue *queue, const pkc_budget *budget);
+PKC_API pkc_status pkc_planner_step(pkc_planner *planner, uint64_t nodes, int32_t *out_done);
+
+/* The plan: after pkc_planner_plan or a step that was done the final one, before that the best so
+ * far. PKC_E_STATE if nothing was begun. */
+PKC_API pkc_status pkc_planner_result(pkc_planner *planner, pkc_plan_info *info,
+                                      pkc_action *actions, size_t capacity, size_t *out_count);
+
+/* From any thread: the plan being made ends at once with the best so far. Without effect when none
+ * is being made. */
+PKC_API pkc_status pkc_planner_cancel(pkc_planner *planner);
+
+/* ---- Exact packer and bounds ----------------------------------------------------------------- */
+
+#define PKC_PACKING_FOUND 1
+#define PKC_PACKING_IMPOSSIBLE 2
+#define PKC_PACKING_BUDGET 3 /* not decided within the budget */
+
+/* Can all items be placed on the bin's free cells, without moving what is there? At most 128 items.
+ * When FOUND, `placements` (count of them, in the items' order) says how. */
+PKC_API pkc_status pkc_exact_pack(const pkc_bin *bin, const pkc_item *items, size_t count,
+                                  int32_t rotation, const pkc_budget *budget,
+                                  pkc_placement *placements, int32_t *out_answer,
+                                  uint64_t *out_nodes);
+
+/* The clairvoyant bound for A = 1: how many of the next items, in arrival order and without one
+ * left out, fit together on the bin's free cells. No planner without a buffer packs more into this
+ * bin, and taking the most for each bin is the most for the stream. With PKC_PACKING_BUDGET in
+ * `out_answer` the count is an upper bound only (first undecided count), else it is exact. */
+PKC_API pkc_status pkc_bound_in_order(const pkc_bin *bin, const pkc_item *items, size_t count,
+                                      int32_t rotation, const pkc_budget *budget, size_t *out_count,
+                                      int32_t *out_answer);
+
+/* ---- Generators ------------------------------------------------------------------------------ */
+
+#define PKC_GENERATE_RANDOM 1 /* sides uniform on 1..W/2 and 1..H/2 (at least 1) */
+#define PKC_GENERATE_FULL 2   /* 100 % sets, the paper's Algorithm 4 */
+
+typedef struct pkc_generator_options {
+    uint32_t struct_size;
+    int32_t kind;  /* PKC_GENERATE_RANDOM */
+    int32_t w, h;  /* bin, 1..128 cells each (10 x 10) */
+    double mean;   /* FULL: of the sides, as a fraction of the bin's side, > 0 and <= 1 */
+    double sigma;  /* FULL: standard deviation in cells, > 0 and <= 128 */
+    uint64_t seed; /* equal options give equal items on every machine */
+} pkc_generator_options;
+/* RANDOM, 10 x 10, preset `table`, seed 1. */
+PKC_API pkc_status pkc_generator_options_init(pkc_generator_options *options, size_t size);
+
+/* Sets mean and sigma: "text" (0.5 and 2: about 11.3 items on 10 x 10) or "table" (0.445 and 1:
+ * about 8.2 items, as in the paper's Table (b)). */
+PKC_API pkc_status pkc_generator_preset(pkc_generator_options *options, const char *preset);
+
+typedef struct pkc_generator pkc_generator;
+PKC_API pkc_status pkc_generator_create(const pkc_generator_options *options,
+                                        pkc_generator **out_generator);
+PKC_API void pkc_generator_free(pkc_generator *generator);
+
+/* RANDOM: fills the whole array with the stream's next items, ids counting on. FULL: the next set,
+ * shuffled, ids from 0; W*H elements always suffice, and with fewer a set that needs more is
+ * PKC_E_CAPACITY and will be given again. */
+PKC_API pkc_status pkc_generator_next(pkc_generator *generator, pkc_item *items, size_t capacity,
+                                      size_t *out_count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,86 @@
+// Little-endian bytes, written into and read from bounded memory: the one place that does it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "base/status.h"
+
+namespace packcell {
+
+// FNV-1a 64 of bytes, going on from `hash`.
+constexpr uint64_t kFnvBasis = 0xcbf29ce484222325u;
+constexpr uint64_t fnv1a(uint64_t hash, uint8_t byte) { return (hash ^ byte) * 0x100000001b3u; }
+
+// Counts what it is given, and stores it where it fits.
+class ByteWriter {
+public:
+    ByteWriter(uint8_t *bytes, size_t capacity) : bytes_(bytes), capacity_(capacity) {}
+
+    void u8(uint8_t value) {
+        if (size_ < capacity_) bytes_[size_] = value;
+        hash_ = fnv1a(hash_, value);
+        ++size_;
+    }
+    void u32(uint32_t value) {
+        for (int i = 0; i < 4; ++i) u8(static_cast<uint8_t>(value >> (8 * i)));
+    }
+    void u64(uint64_t value) {
+        for (int i = 0; i < 8; ++i) u8(static_cast<uint8_t>(value >> (8 * i)));
+    }
+    void i32(int32_t value) { u32(static_cast<uint32_t>(value)); }
+
+    size_t size() const { return size_; }
+    uint64_t hash() const { return hash_; }  // of all that was written
+
+private:
+    uint8_t *bytes_;
+    size_t capacity_;
+    size_t size_ = 0;
+    uint64_t hash_ = kFnvBasis;
+};
+
+// Throws kFormat, with the offset, rather than read past the end.
+class ByteReader {
+public:
+    ByteReader(const uint8_t *bytes, size_t size) : bytes_(bytes), size_(size) {}
+
+    uint8_t u8() {
+        if (at_ >= size_) fail(Status::kFormat, "byte %zu: the data ends here", at_);
+        hash_ = fnv1a(hash_, bytes_[at_]);
+        return bytes_[at_++];
+    }
+    uint32_t u32() {
+        uint32_t value = 0;
+        for (int i = 0; i < 4; ++i) value |= static_cast<uint32_t>(u8()) << (8 * i);
+        return value;
+    }
+    uint64_t u64() {
+        uint64_t value = 0;
+        for (int i = 0; i < 8; ++i) value |= static_cast<uint64_t>(u8()) << (8 * i);
+        return value;
+    }
+    int32_t i32() { return static_cast<int32_t>(u32()); }
+
+    // An i32 within least..most; `what` names it.
+    int32_t ranged(const char *what, int32_t least, int32_t most) {
+        const size_t at = at_;
+        const int32_t value = i32();
+        if (value < least || value > most) {
+            fail(Status::kFormat, "byte %zu: %s %d: must be %d..%d", at, what, value, least, most);
+        }
+        return value;
+    }
+
+    size_t at() const { return at_; }
+    size_t left() const { return size_ - at_; }
+    uint64_t hash() const { return hash_; }  // of all that was read
+
+private:
+    const uint8_t *bytes_;
+    size_t size_;
+    size_t at_ = 0;
+    uint64_t hash_ = kFnvBasis;
+};
+
+}  // namespace packcell

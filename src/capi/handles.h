@@ -1,0 +1,93 @@
+// What the opaque handles of packcell.h hold, and the checks and conversions between its records
+// and those of the core.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "bin/bin.h"
+#include "capi/guard.h"
+#include "feed/queue.h"
+#include "feed/step.h"
+#include "learn/generator.h"
+#include "policy/policy.h"
+#include "search/planner.h"
+
+struct pkc_bin {
+    explicit pkc_bin(packcell::Bin b) : bin(std::move(b)) {}
+    packcell::Bin bin;
+    mutable std::atomic<bool> busy{false};
+};
+
+struct pkc_queue {
+    explicit pkc_queue(packcell::Queue q) : queue(std::move(q)) {}
+    packcell::Queue queue;
+    mutable std::atomic<bool> busy{false};
+};
+
+struct pkc_policy {
+    explicit pkc_policy(std::shared_ptr<const packcell::Policy> p) : policy(std::move(p)) {}
+    std::shared_ptr<const packcell::Policy> policy;
+};
+
+struct pkc_planner {
+    pkc_planner(const packcell::PlannerOptions &options,
+                std::shared_ptr<const packcell::Policy> policy)
+        : planner(options, std::move(policy)) {}
+    packcell::Planner planner;
+    mutable std::atomic<bool> busy{false};
+};
+
+struct pkc_generator {
+    pkc_generator(int32_t k, const packcell::GeneratorOptions &options)
+        : kind(k), generator(options) {}
+    int32_t kind;
+    packcell::Generator generator;
+    std::vector<packcell::Item> waiting;  // a set that did not fit the caller's array
+    mutable std::atomic<bool> busy{false};
+};
+
+namespace packcell {
+
+Item checked_item(const char *name, const pkc_item *item);
+pkc_item to_c(const Item &item);
+pkc_placement to_c(const Placement &p);
+Scenario checked_scenario(const pkc_scenario *scenario);
+pkc_scenario to_c(const Scenario &scenario);
+pkc_budget checked_budget(const pkc_budget *budget);
+pkc_budget default_budget();
+
+template <>
+struct FirstLayout<pkc_bin_info> {
+    static constexpr size_t size = 32;
+};
+template <>
+struct FirstLayout<pkc_scenario> {
+    static constexpr size_t size = 20;
+};
+template <>
+struct FirstLayout<pkc_queue_info> {
+    static constexpr size_t size = 24;
+};
+template <>
+struct FirstLayout<pkc_grid> {
+    static constexpr size_t size = 48;
+};
+template <>
+struct FirstLayout<pkc_planner_options> {
+    static constexpr size_t size = 48;
+};
+template <>
+struct FirstLayout<pkc_budget> {
+    static constexpr size_t size = 24;
+};
+template <>
+struct FirstLayout<pkc_plan_info> {
+    static constexpr size_t size = 88;
+};
+template <>
+struct FirstLayout<pkc_generator_options> {
+    static constexpr size_t size = 40;
+};
+
+}  // namespace packcell

@@ -1,0 +1,47 @@
+#include "policy/policy.h"
+
+#include <cstring>
+
+#include "policy/bottom_left.h"
+#include "policy/contact.h"
+#include "policy/maxrects.h"
+#include "policy/shelf_next_fit.h"
+#include "policy/skyline.h"
+
+namespace packcell {
+
+namespace {
+
+struct Builtin {
+    const char *name;
+    std::shared_ptr<const Policy> (*make)();
+};
+
+template <class P>
+std::shared_ptr<const Policy> make() {
+    return std::make_shared<const P>();
+}
+
+constexpr Builtin kBuiltins[] = {
+    {"contact", make<ContactPolicy>},
+    {"bottom-left", make<BottomLeftPolicy>},
+    {"skyline", make<SkylinePolicy>},
+    {"shelf-next-fit", make<ShelfNextFitPolicy>},
+    {"maxrects-cp", make<MaxRectsContactPolicy>},
+    {"maxrects-bssf", make<MaxRectsShortSidePolicy>},
+};
+
+}  // namespace
+
+std::shared_ptr<const Policy> make_builtin_policy(const char *name) {
+    for (const Builtin &builtin : kBuiltins) {
+        if (std::strcmp(builtin.name, name) == 0) return builtin.make();
+    }
+    return nullptr;
+}
+
+const char *builtin_policy_name(size_t index) {
+    return index < sizeof kBuiltins / sizeof kBuiltins[0] ? kBuiltins[index].name : nullptr;
+}
+
+}  // namespace packcell

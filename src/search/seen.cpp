@@ -1,0 +1,41 @@
+#include "search/seen.h"
+
+#include <algorithm>
+
+namespace packcell {
+
+namespace {
+
+constexpr size_t kBucket = 4;
+
+}  // namespace
+
+SeenStates::SeenStates(uint64_t memory) : mask_(0) {
+    size_t count = kBucket;
+    while (count * 2 * sizeof(Entry) <= memory) count *= 2;
+    entries_.resize(count);
+    mask_ = count - kBucket;
+}
+
+uint32_t SeenStates::meet(uint64_t key, uint32_t rank) {
+    const uint64_t spread = mix64(key);
+    Entry *bucket = &entries_[(spread & mask_) / kBucket * kBucket];
+    Entry *replace = bucket;
+    for (Entry *e = bucket; e != bucket + kBucket; ++e) {
+        if (e->generation != generation_) {
+            replace = e;
+            break;
+        }
+        if (e->key == key) {
+            const uint32_t before = e->rank;
+            e->rank = std::min(before, rank);
+            return before;
+        }
+        // A full bucket gives up the state whose key is smallest: any rule will do that is fixed.
+        if (e->key < replace->key) replace = e;
+    }
+    *replace = {key, generation_, rank};
+    return UINT32_MAX;
+}
+
+}  // namespace packcell

@@ -1,0 +1,66 @@
+// Which items could lie in the bin in the end? A target is such a set: some recognised items come
+// in, some packed or buffered ones stay out. Targets are listed by falling area, so that the first
+// one that can be packed is the best.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "search/view.h"
+
+namespace packcell {
+
+struct Target {
+    int area = 0;
+    KnownSet belt = 0;          // recognised items that come in
+    std::vector<int> left_out;  // elements (see TargetList) that stay out of the bin
+};
+
+// The elements are the items that are in hand: 0..packed-1 the movable ones in the bin, then the
+// buffered ones.
+class TargetList {
+public:
+    explicit TargetList(size_t max_elements);
+
+    // `areas` of the elements; `room`: most cells that a target may take; `may_leave`: elements
+    // that may be left out at once. With `full` the target is every item, or failing that any that
+    // takes exactly `room`, none left out.
+    void start(const View &view, const std::vector<int> &areas, int room, int may_leave, bool full);
+
+    // Begins again at the largest area.
+    void rewind();
+
+    // The next target of more than `above` cells; false at the end. No heap use.
+    bool next(int above);
+    const Target &target() const { return target_; }
+
+private:
+    struct Belt {
+        KnownSet set;
+        int area;
+    };
+
+    void list_belt_sets(const View &view);
+    bool next_choice(int above);
+    bool begin_leaving();
+    bool next_leaving();
+
+    std::vector<Belt> belts_;
+    std::vector<int> order_;  // elements by falling area
+    std::vector<int> sorted_areas_;
+    std::vector<int> chosen_;  // indices in order_ of what is left out
+    int element_area_ = 0;
+    int largest_ = 0;
+    int may_leave_ = 0;
+    bool full_ = false;
+
+    int area_ = 0;       // being looked at
+    size_t belt_ = 0;    // likewise
+    int leaving_ = 0;    // how many are left out
+    int wanted_ = 0;     // area to be left out
+    bool open_ = false;  // chosen_ holds a choice to go on from
+    Target target_;
+};
+
+}  // namespace packcell

@@ -1,0 +1,178 @@
+#include "search/unpack_search.h"
+
+#include <algorithm>
+
+namespace packcell {
+
+namespace {
+
+// Once a smallest set is known, others of its size are tried for a better bin for as long as it
+// took to find it, and this much longer.
+constexpr uint64_t kQualityNodes = 500;
+
+}  // namespace
+
+UnpackSearch::UnpackSearch(int max_side, size_t max_items, uint64_t memory)
+    : subset_(kMaxKnown),
+      base_(max_side, max_side, max_items),
+      trial_(max_side, max_side, max_items + kMaxKnown),
+      packer_(max_side, 2 * kMaxKnown, memory) {
+    movable_.reserve(kMaxKnown);
+    leave_.reserve(kMaxKnown);
+    need_.reserve(kMaxKnown);
+    masks_.reserve(static_cast<size_t>(kMaxKnown) * 64);
+    conflicts_.reserve(kMaxKnown);
+    items_.reserve(2 * kMaxKnown);
+    placed_.reserve(2 * kMaxKnown);
+    best_unpacked_.reserve(2 * kMaxKnown);
+    best_packed_.reserve(2 * kMaxKnown);
+}
+
+void UnpackSearch::start(const Bin &bin, const Item *need, int need_count, const int *leave,
+                         int leave_count, bool rotation, int max_extra) {
+    bin_ = &bin;
+    rotation_ = rotation;
+    need_.assign(need, need + need_count);
+    leave_.assign(leave, leave + leave_count);
+    base_.assign(bin);
+    std::sort(leave_.begin(), leave_.end(), std::greater<int>());
+    for (int index : leave_) base_.remove(static_cast<size_t>(index));
+
+    movable_.clear();
+    for (int i = static_cast<int>(bin.items().size()); i-- > 0 && movable_.size() < kMaxKnown;) {
+        if (bin.items()[static_cast<size_t>(i)].item.pinned()) continue;
+        if (std::find(leave_.begin(), leave_.end(), i) == leave_.end()) movable_.push_back(i);
+    }
+    max_extra_ = std::min(max_extra, static_cast<int>(movable_.size()));
+    masks_.clear();
+    conflicts_.clear();
+    trial_.assign(base_);
+    for (int index : movable_) {
+        trial_.remove(
+            static_cast<size_t>(trial_.find(bin.items()[static_cast<size_t>(index)].item.id)));
+    }
+    for (size_t i = 0; i < need_.size(); ++i) {
+        const auto same = [&](const Item &o) {
+            return o.w == need_[i].w && o.h == need_[i].h && o.flags == need_[i].flags;
+        };
+        if (std::any_of(need_.begin(), need_.begin() + static_cast<std::ptrdiff_t>(i), same))
+            continue;
+        find_conflicts(need_[i].turned(0), rotation && need_[i].turns());
+    }
+    nodes_ = 0;
+    refused_ = 0;
+    subset_.start(static_cast<int>(movable_.size()), 0);
+    in_packer_ = false;
+    found_ = false;
+}
+
+// The minimal sets of movable items that lie under some placement of this size; base_ and trial_
+// are the bin without what leaves, and without its movable items too.
+void UnpackSearch::find_conflicts(Size size, bool turns) {
+    conflicts_.push_back({masks_.size(), 0, false});
+    Positions positions;
+    for (int rot = 0; rot < (turns ? 2 : 1); ++rot) {
+        if (rot == 1) std::swap(size.w, size.h);
+        trial_.feasible(size, positions);
+        for (int y = 0; y < positions.count; ++y) {
+            for (Row row = positions.rows[static_cast<size_t>(y)]; row != 0; row &= row - 1) {
+                const int x = row_lowest(row);
+                KnownSet mask = 0;
+                for (size_t m = 0; m < movable_.size(); ++m) {
+                    const Rect r = bin_->items()[static_cast<size_t>(movable_[m])].rect();
+                    if (r.x < x + size.w && x < r.x + r.w && r.y < y + size.h && y < r.y + r.h) {
+                        mask |= known_bit(static_cast<int>(m));
+                    }
+                }
+                add_conflict(mask);
+            }
+        }
+    }
+}
+
+// Keeps the last item's sets minimal.
+void UnpackSearch::add_conflict(KnownSet mask) {
+    Conflicts &c = conflicts_.back();
+    const auto begin = masks_.begin() + static_cast<std::ptrdiff_t>(c.first);
+    if (std::any_of(begin, masks_.end(), [mask](KnownSet o) { return (o & ~mask) == 0; })) return;
+    masks_.erase(
+        std::remove_if(begin, masks_.end(), [mask](KnownSet o) { return (mask & ~o) == 0; }),
+        masks_.end());
+    if (masks_.size() == masks_.capacity()) {
+        c.overflow = true;
+    } else {
+        masks_.push_back(mask);
+    }
+    c.count = masks_.size() - c.first;
+}
+
+// Whether each needed item has a placement once these are out.
+bool UnpackSearch::open(KnownSet out) const {
+    for (const Conflicts &c : conflicts_) {
+        bool ok = c.overflow;
+        for (size_t m = c.first; m < c.first + c.count && !ok; ++m) ok = (masks_[m] & ~out) == 0;
+        if (!ok) return false;
+    }
+    return true;
+}
+
+void UnpackSearch::try_subset() {
+    trial_.assign(base_);
+    items_.assign(need_.begin(), need_.end());
+    for (int s : subset_.indices()) {
+        const Item &item =
+            bin_->items()[static_cast<size_t>(movable_[static_cast<size_t>(s)])].item;
+        items_.push_back(item);
+        trial_.remove(static_cast<size_t>(trial_.find(item.id)));
+    }
+    packer_.start(trial_, items_.data(), static_cast<int>(items_.size()), rotation_, 0);
+}
+
+void UnpackSearch::keep() {
+    placed_.resize(items_.size());
+    packer_.placements(placed_.data());
+    for (const Placement &p : placed_) trial_.place(p);
+    const int quality = -trial_.free_boundary();
+    if (!found_) quality_until_ = 2 * nodes_ + kQualityNodes;
+    if (found_ && quality <= best_quality_) return;
+    found_ = true;
+    best_quality_ = quality;
+    best_unpacked_.assign(leave_.begin(), leave_.end());
+    for (int s : subset_.indices()) best_unpacked_.push_back(movable_[static_cast<size_t>(s)]);
+    best_packed_.assign(placed_.begin(), placed_.end());
+}
+
+UnpackSearch::Answer UnpackSearch::run(Budget &budget, uint64_t node_limit) {
+    for (;;) {
+        if (!in_packer_) {
+            KnownSet out = 0;
+            for (int s : subset_.indices()) out |= known_bit(s);
+            if (open(out)) {
+                try_subset();
+                in_packer_ = true;
+            } else {
+                if (++refused_ % Budget::kIdlePerNode == 0) ++nodes_;
+                if (!budget.idle()) return Answer::kPaused;
+            }
+        }
+        if (in_packer_) {
+            const uint64_t limit = node_limit - std::min(node_limit, nodes_);
+            const ExactPacker::Answer answer = packer_.run(budget, limit);
+            if (answer == ExactPacker::Answer::kPaused) return Answer::kPaused;
+            if (answer == ExactPacker::Answer::kLimit)
+                return found_ ? Answer::kFound : Answer::kLimit;
+            in_packer_ = false;
+            nodes_ += packer_.nodes() + 1;
+            if (answer == ExactPacker::Answer::kFound) keep();
+            // A bin that is filled leaves nothing to be better at.
+            if (found_ && (packer_.slack() == 0 || nodes_ > quality_until_)) return Answer::kFound;
+        }
+        if (nodes_ >= node_limit) return found_ ? Answer::kFound : Answer::kLimit;
+        if (subset_.next()) continue;
+        if (found_) return Answer::kFound;
+        if (subset_.size() == max_extra_) return Answer::kImpossible;
+        subset_.start(static_cast<int>(movable_.size()), subset_.size() + 1);
+    }
+}
+
+}  // namespace packcell
