@@ -329,7 +329,7 @@ typedef struct pkc_budget {
     uint32_t struct_size;
     uint32_t reserved;   /* 0 */
     uint64_t nodes;      /* placements tried; 0: no limit */
-    double milliseconds; /* wall time; 0: no limit; finite, >= 0 */
+    double milliseconds; /* wall time; 0: no limit; finite, 0..1e12 */
 } pkc_budget;
 PKC_API pkc_status pkc_budget_init(pkc_budget *budget,
                                    size_t size); /* 200000 nodes, no time limit */
@@ -387,8 +387,8 @@ PKC_API pkc_status pkc_planner_cancel(pkc_planner *planner);
 #define PKC_PACKING_IMPOSSIBLE 2
 #define PKC_PACKING_BUDGET 3 /* not decided within the budget */
 
-/* Can all items be placed on the bin's free cells, without moving what is there? At most 128 items.
- * When FOUND, `placements` (count of them, in the items' order) says how. */
+/* Can all items be placed on the bin's free cells, without moving what is there? At most 16384
+ * items. When FOUND, `placements` (count of them, in the items' order) says how. */
 PKC_API pkc_status pkc_exact_pack(const pkc_bin *bin, const pkc_item *items, size_t count,
                                   int32_t rotation, const pkc_budget *budget,
                                   pkc_placement *placements, int32_t *out_answer,
@@ -397,7 +397,7 @@ PKC_API pkc_status pkc_exact_pack(const pkc_bin *bin, const pkc_item *items, siz
 /* The clairvoyant bound for A = 1: how many of the next items, in arrival order and without one
  * left out, fit together on the bin's free cells. No planner without a buffer packs more into this
  * bin, and taking the most for each bin is the most for the stream. With PKC_PACKING_BUDGET in
- * `out_answer` the count is an upper bound only (first undecided count), else it is exact. */
+ * `out_answer` the count is an upper bound only, from the areas, else it is exact. */
 PKC_API pkc_status pkc_bound_in_order(const pkc_bin *bin, const pkc_item *items, size_t count,
                                       int32_t rotation, const pkc_budget *budget, size_t *out_count,
                                       int32_t *out_answer);

@@ -162,6 +162,8 @@ Step EpisodeRunner::plan_step(const pkc_bin *bin, bool &terminate) {
     step.milliseconds = info.milliseconds;
     step.repack_milliseconds = info.repack_milliseconds;
     step.nodes = info.nodes;
+    step.tree_nodes = info.tree_nodes;
+    step.repacked = info.repacked != 0;
     step.proof = info.proof;
     step.packs = info.packs;
     step.unpacks = info.unpacks;

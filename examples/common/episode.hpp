@@ -22,6 +22,8 @@ struct Step {
     double milliseconds = 0;         // of planning
     double repack_milliseconds = 0;  // of it in repacking
     uint64_t nodes = 0;
+    uint64_t tree_nodes = 0;  // of them before repacking was tried
+    bool repacked = false;    // the plan came from repacking
     int32_t proof = PKC_PROOF_NONE;
     int32_t packs = 0;
     int32_t unpacks = 0;

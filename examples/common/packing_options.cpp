@@ -20,12 +20,6 @@ bool is_length(double value) { return value >= 0 && value <= kMostMillimetres; }
 
 bool is_cell(double value) { return value > 0 && value <= kMostMillimetres; }
 
-std::vector<std::string> policy_names() {
-    std::vector<std::string> names;
-    for (size_t i = 0; const char *name = pkc_policy_builtin(i); ++i) names.emplace_back(name);
-    return names;
-}
-
 // The names in lines short enough for --help.
 std::string wrapped(const std::vector<std::string> &names) {
     constexpr size_t kColumns = 56;
@@ -48,6 +42,12 @@ std::string default_scenario_name(const pkc_scenario &scenario) {
 }
 
 }  // namespace
+
+std::vector<std::string> policy_names() {
+    std::vector<std::string> names;
+    for (size_t i = 0; const char *name = pkc_policy_builtin(i); ++i) names.emplace_back(name);
+    return names;
+}
 
 PackingOptions::PackingOptions()
     : scenario_(initialised(pkc_scenario_init)),

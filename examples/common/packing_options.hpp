@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/episode.hpp"
 #include "common/episode_json.hpp"
@@ -9,6 +10,9 @@
 #include "common/options.hpp"
 
 namespace packcell_programs {
+
+// Of the built-in policies, the default first.
+std::vector<std::string> policy_names();
 
 // How to pack: --scenario --rotation --repack --policy --method --budget-ms --budget-nodes
 // --select --buffer --seed. To be kept alive until the command line was parsed.

@@ -18,8 +18,8 @@ std::string size_text(double w, double h) { return number_text(w) + " x " + numb
 
 class Converter {
 public:
-    Converter(const RawInstance &raw, const std::string &file, Units units, bool rotation)
-        : raw_(raw), file_(file), units_(std::move(units)), rotation_(rotation) {}
+    Converter(const RawInstance &raw, const std::string &file, const Units &units, bool rotation)
+        : raw_(raw), file_(file), units_(units), rotation_(rotation) {}
 
     Instance convert() {
         out_.id = raw_.id;
@@ -161,9 +161,9 @@ private:
 
 }  // namespace
 
-Instance make_instance(const RawInstance &raw, const std::string &file, Units units,
+Instance make_instance(const RawInstance &raw, const std::string &file, const Units &units,
                        bool rotation) {
-    return Converter(raw, file, std::move(units), rotation).convert();
+    return Converter(raw, file, units, rotation).convert();
 }
 
 }  // namespace packcell_programs

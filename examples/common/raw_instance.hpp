@@ -32,6 +32,7 @@ struct RawInstance {
 };
 
 // Judges what the fields say together, and converts. Throws Failure naming file, line and field.
-Instance make_instance(const RawInstance &raw, const std::string &file, Units units, bool rotation);
+Instance make_instance(const RawInstance &raw, const std::string &file, const Units &units,
+                       bool rotation);
 
 }  // namespace packcell_programs

@@ -8,7 +8,7 @@ using namespace packcell;
 
 namespace {
 
-constexpr size_t kMostItems = 128;
+constexpr size_t kMostItems = PKC_MAX_SIDE * PKC_MAX_SIDE;
 constexpr uint64_t kTableMemory = uint64_t{4} << 20;
 
 std::vector<Item> checked_items(const pkc_item *items, size_t count) {
@@ -77,10 +77,12 @@ pkc_status pkc_bound_in_order(const pkc_bin *bin, const pkc_item *items, size_t 
         require(out_count, "out_count");
         require(out_answer, "out_answer");
         require_flag("rotation", rotation);
-        const std::vector<Item> checked = checked_items(items, std::min(count, kMostItems));
-        Budget started = checked_start(budget);
         const Use<const pkc_bin> use("bin", bin);
-        ExactPacker packer = make_packer(use->bin, kMostItems);
+        // Every item takes a cell at least.
+        const std::vector<Item> checked =
+            checked_items(items, std::min(count, static_cast<size_t>(use->bin.cells())));
+        Budget started = checked_start(budget);
+        ExactPacker packer = make_packer(use->bin, checked.size());
         const InOrderBound bound =
             bound_in_order(packer, use->bin, checked.data(), static_cast<int>(checked.size()),
                            rotation != 0, started);

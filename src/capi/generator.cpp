@@ -8,6 +8,8 @@ using namespace packcell;
 
 namespace {
 
+constexpr int64_t kMostRandom = 1 << 24;  // items of one call
+
 pkc_generator_options default_options() {
     const GeneratorOptions o;
     return {sizeof(pkc_generator_options), PKC_GENERATE_RANDOM, o.w, o.h, o.mean, o.sigma, o.seed};
@@ -53,14 +55,16 @@ pkc_status pkc_generator_next(pkc_generator *generator, pkc_item *items, size_t 
         require(out_count, "out_count");
         const Use<pkc_generator> use("generator", generator);
         std::vector<Item> &made = use->waiting;
+        if (capacity > 0) require(items, "items");
         if (use->kind == PKC_GENERATE_RANDOM) {
+            require_range("capacity", static_cast<int64_t>(std::min<size_t>(capacity, INT64_MAX)),
+                          0, kMostRandom);
             made.clear();
             use->generator.random(made, capacity);
         } else if (made.empty()) {
             use->generator.full_set(made);
         }
         require_capacity(made.size(), capacity, out_count);
-        if (!made.empty()) require(items, "items");
         std::transform(made.begin(), made.end(), items,
                        [](const Item &item) { return to_c(item); });
         *out_count = made.size();

@@ -107,19 +107,20 @@ void read_queue(ByteReader &in, Queue &queue) {
     queue.set_alpha_left(alpha_left);
 }
 
-void check_ids(const Bin &bin, const Queue &queue) {
+void check_ids(const Bin &bin, const Queue &queue, Status status) {
     std::vector<int32_t> ids;
     for (const Placement &p : bin.items()) ids.push_back(p.item.id);
     for (size_t i = 0; i < queue.belt_size(); ++i) ids.push_back(queue.belt(i).id);
     for (const Buffered &b : queue.buffer()) ids.push_back(b.item.id);
     std::sort(ids.begin(), ids.end());
     const auto twice = std::adjacent_find(ids.begin(), ids.end());
-    if (twice != ids.end()) fail(Status::kFormat, "item %d occurs twice", *twice);
+    if (twice != ids.end()) fail(status, "item %d: occurs twice", *twice);
 }
 
 }  // namespace
 
 void save_snapshot(const Bin &bin, const Queue &queue, ByteWriter &out) {
+    check_ids(bin, queue, Status::kState);
     out.u32(kMagic);
     out.u32(kVersion);
     out.i32(bin.w());
@@ -155,7 +156,7 @@ void load_snapshot(ByteReader &in, Bin &bin, Queue &queue) {
         fail(Status::kFormat, "byte 4: version %u: must be %u", version, kVersion);
     read_bin(in, bin);
     read_queue(in, queue);
-    check_ids(bin, queue);
+    check_ids(bin, queue, Status::kFormat);
     const size_t at = in.at();
     const uint64_t hash = in.hash();
     if (in.u64() != hash) fail(Status::kFormat, "byte %zu: the checksum does not agree", at);

@@ -55,6 +55,7 @@ private:
         const int index = bin_.find(a.item);
         if (index < 0) refuse(a, "the item is not in the bin");
         if (bin_.items()[static_cast<size_t>(index)].item.pinned()) refuse(a, "the item is pinned");
+        if (queue_.holds(a.item)) refuse(a, "an item of this id is in the queue already");
         queue_.put_in_buffer({bin_.remove(static_cast<size_t>(index)).item, a.arm});
     }
 

@@ -114,9 +114,9 @@ bool ExactPacker::possible(const Bin &bin) const {
 
 ExactPacker::Answer ExactPacker::run(Budget &budget, uint64_t node_limit) {
     if (impossible_) return Answer::kImpossible;
-    if (left_ == 0) return Answer::kFound;
     if (!entered_) {
         entered_ = true;
+        if (left_ == 0) return Answer::kFound;
         if (!enter(0)) return Answer::kImpossible;
     }
     while (depth_ > 0) {

@@ -24,7 +24,7 @@ public:
     void start(const Bin &bin, const Item *items, int count, bool rotation, int view);
 
     // kLimit once `node_limit` nodes were spent since start(); kPaused when the budget makes it
-    // return. Both may be called again.
+    // return; after either, run() goes on. After kFound it looks for another packing.
     Answer run(Budget &budget, uint64_t node_limit);
 
     // After kFound: where the items go, in the order given.

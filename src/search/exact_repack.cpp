@@ -24,8 +24,7 @@ ExactRepack::ExactRepack(int max_side, size_t max_items, uint64_t memory)
     : targets_(2 * kMaxKnown),
       bare_(max_side, max_side, max_items),
       packer_(max_side, 2 * kMaxKnown, memory / 2),
-      unpack_(max_side, max_items, memory / 2),
-      moves_(2 * kMaxKnown) {
+      unpack_(max_side, max_items, memory / 2) {
     for (std::vector<int> *v :
          {&movable_, &buffered_, &areas_, &item_known_, &leave_, &need_known_}) {
         v->reserve(2 * kMaxKnown);
@@ -61,6 +60,7 @@ void ExactRepack::start(const Bin &bin, const View &view, const RepackOptions &o
         buffered_.push_back(k);
         areas_.push_back(view[k].item.area());
     }
+    truncated_ = movable_.size() == kMaxKnown;
     const int fixed = bare_.occupied();
     const auto in_hand = static_cast<int>(areas_.size());
     const int may_leave = options.buffer_capacity < 0
@@ -82,11 +82,14 @@ bool ExactRepack::run(Budget &budget) {
             begin_round();
         }
         if (stage_ == Stage::kTarget) {
-            if (!take_target()) {
+            const TargetList::Answer answer = targets_.next(beat_, budget);
+            if (answer == TargetList::Answer::kPaused) return false;
+            if (answer == TargetList::Answer::kEnd) {
                 round_open_ = false;
                 if (best_.found() && options_.full) undecided_ = 0;
                 continue;
             }
+            begin_fits();
             if (!budget.idle()) return false;
         }
         if (stage_ == Stage::kFits) {
@@ -106,15 +109,15 @@ bool ExactRepack::run(Budget &budget) {
             begin_unpack();
         }
         const UnpackSearch::Answer answer = unpack_.run(budget, round_limit(kUnpackNodes, round_));
-        if (answer == UnpackSearch::Answer::kPaused && !budget.spent()) return false;
-        stage_ = Stage::kTarget;
-        if (unpack_.found()) {
+        if (answer == UnpackSearch::Answer::kCandidate) {
             take_unpacked();
-        } else if (fits_) {
-            take_arrangement();
+            continue;
         }
-        if (answer != UnpackSearch::Answer::kFound && answer != UnpackSearch::Answer::kImpossible)
-            ++undecided_;
+        if (answer == UnpackSearch::Answer::kPaused && !budget.spent()) return false;
+        if (!target_met_ && fits_) take_arrangement();
+        if (answer != UnpackSearch::Answer::kDone) ++undecided_;
+        if (target_met_ && !options_.full) beat_ = targets_.target().area;
+        stage_ = Stage::kTarget;
     }
 }
 
@@ -124,13 +127,6 @@ void ExactRepack::begin_round() {
     round_open_ = true;
     stage_ = Stage::kTarget;
     targets_.rewind();
-}
-
-bool ExactRepack::take_target() {
-    // Targets of the area reached are of interest too, for fewer items to move.
-    if (!targets_.next(beat_)) return false;
-    begin_fits();
-    return true;
 }
 
 const Item &ExactRepack::element(int index) const {
@@ -181,6 +177,7 @@ void ExactRepack::begin_fits() {
 void ExactRepack::begin_unpack() {
     unpack_.start(*bin_, need_.data(), static_cast<int>(need_.size()), leave_.data(),
                   static_cast<int>(leave_.size()), options_.rotation, kMaxKnown);
+    target_met_ = false;
     stage_ = Stage::kUnpack;
 }
 
@@ -190,7 +187,7 @@ void ExactRepack::take_unpacked() {
     trial_.packed.assign(unpack_.packed().begin(), unpack_.packed().end());
     trial_.known.assign(need_known_.begin(), need_known_.end());
     trial_.known.resize(trial_.packed.size(), -1);
-    keep();
+    if (keep()) unpack_.accept();
 }
 
 // Takes the arrangement that was found from scratch: items that lie where they lay are not moved.
@@ -230,20 +227,20 @@ void ExactRepack::take_arrangement() {
     keep();
 }
 
-// Keeps what was taken if it fills more, or as much with fewer items moved, and the buffers allow
-// it.
-void ExactRepack::keep() {
-    trial_.occupied = bare_.occupied() + targets_.target().area;
-    if (best_.found() && trial_.occupied <= best_.occupied &&
-        trial_.unpacked.size() >= best_.unpacked.size()) {
-        return;
-    }
+// Keeps what was taken where the buffers allow it, if it fills more than the best so far, or as
+// much with no more items moved; false where they do not.
+bool ExactRepack::keep() {
     if (!moves_.arrange(*bin_, *view_, trial_, options_.buffer_capacity)) {
         blocked_ = true;
-        return;
+        return false;
     }
-    std::swap(best_, trial_);
-    if (!options_.full) beat_ = targets_.target().area;
+    target_met_ = true;
+    trial_.occupied = bare_.occupied() + targets_.target().area;
+    if (!best_.found() || trial_.occupied > best_.occupied ||
+        trial_.unpacked.size() <= best_.unpacked.size()) {
+        std::swap(best_, trial_);
+    }
+    return true;
 }
 
 }  // namespace packcell

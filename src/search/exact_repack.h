@@ -34,18 +34,19 @@ public:
     const Repacking &best() const { return best_; }
 
     // After run() gave true: whether every target was decided. Without a find, none is possible.
-    bool proved() const { return undecided_ == 0 && !blocked_; }
+    bool proved() const {
+        return undecided_ == 0 && !blocked_ && !truncated_ && targets_.complete();
+    }
 
 private:
     enum class Stage { kTarget, kFits, kUnpack };
 
     void begin_round();
-    bool take_target();
     void begin_fits();
     void begin_unpack();
     void take_unpacked();
     void take_arrangement();
-    void keep();
+    bool keep();
     const Item &element(int index) const;
 
     const Bin *bin_ = nullptr;
@@ -53,8 +54,9 @@ private:
     RepackOptions options_;
     int beat_ = 0;  // cells that a target has to exceed
     int round_ = 0;
-    int undecided_ = 0;     // targets of this round that met the round's node limit
-    bool blocked_ = false;  // some repacking found needs larger buffers
+    int undecided_ = 0;       // targets of this round that met the round's node limit
+    bool blocked_ = false;    // some repacking found needs larger buffers
+    bool truncated_ = false;  // the bin has more items than are looked at
     bool round_open_ = false;
     Stage stage_ = Stage::kTarget;
 
@@ -71,7 +73,8 @@ private:
     std::vector<Item> need_;       // known items of the target
     std::vector<int> need_known_;
     std::vector<Placement> placed_;
-    bool fits_ = false;  // placed_ holds an arrangement of the target
+    bool target_met_ = false;  // some repacking for the target was kept
+    bool fits_ = false;        // placed_ holds an arrangement of the target
     Repacking trial_;
     MoveOrder moves_;
     Repacking best_;

@@ -3,6 +3,7 @@
 // gripper. The paper unpacks all first and packs in reverse order, which needs a buffer for all.
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,7 +15,7 @@ namespace packcell {
 
 class MoveOrder {
 public:
-    explicit MoveOrder(size_t max_moves);
+    MoveOrder();
 
     // False when some buffer would hold more than `capacity` items on the way. Belt items are not
     // ordered here: the step packs them last.
@@ -32,15 +33,30 @@ private:
         bool packed;
     };
 
+    // By index in moves_.
+    using MoveSet = std::bitset<2 * kMaxKnown>;
+
+    // With up to so many packs an order is searched for where the greedy one needs too much room.
+    static constexpr int kMostSearched = 12;
+    using PackSet = uint32_t;  // of those, by index in packs_
+
     void list_moves(const Bin &bin, const View &view, const Repacking &repacking);
-    bool blocks(const Move &other, const Rect &place) const;
-    int blockers(const Move &move, const Repacking &repacking) const;
-    bool unpack_to_buffer(Move &move);
+    void find_blockers(const Repacking &repacking);
+    bool has_room(const MoveSet &out, const MoveSet &packed) const;
+    bool order_greedily();
+    bool order_by_search(PackSet done, const MoveSet &out, const MoveSet &packed);
+    void carry_out(const Repacking &repacking);
+    void unpack_to_buffer(Move &move);
     void pack(Move &move, const Repacking &repacking);
-    int next_arm();
+    int next_arm() const;
 
     std::vector<Move> moves_;
+    std::vector<MoveSet> blockers_;  // moves whose old place lies under a move's new one
+    std::vector<int> packs_;         // moves that go into the bin
+    std::vector<int> order_;         // the same in the order found
+    std::bitset<(1u << kMostSearched)> failed_;  // sets of packs after which there is no way on
     std::vector<Action> actions_;
+    MoveSet buffered_;  // in a buffer at the start
     int robots_ = 1;
     int capacity_ = 0;
     int held_[2] = {0, 0};

@@ -84,15 +84,15 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
         fail(Status::kLimit, "%zu recognised and buffered items: the planner's max_known is %d",
              known, options_.max_known);
     }
-    view_.look(queue);
-    for (const Known &k : view_.known) {
-        if (bin.find(k.item.id) >= 0) {
-            fail(Status::kState, "item %d is in the bin and in the queue: ids must differ",
-                 k.item.id);
-        }
-    }
+    const auto require_new = [&bin](int32_t id) {
+        if (bin.find(id) < 0) return;
+        fail(Status::kState, "item %d is in the bin and in the queue: ids must differ", id);
+    };
+    for (const Buffered &b : queue.buffer()) require_new(b.item.id);
+    for (size_t place = 0; place < seen; ++place) require_new(queue.belt(place).id);
     cancel_.store(false, std::memory_order_relaxed);
     bin_.assign(bin);
+    view_.look(queue);
     budget_.start(max_nodes, max_milliseconds, &cancel_);
     plan_ = Plan();
     repack_begun_ = false;

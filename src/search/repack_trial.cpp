@@ -7,8 +7,7 @@ namespace packcell {
 RepackTrial::RepackTrial(int max_side, size_t max_items, uint64_t memory)
     : subset_(kMaxKnown),
       trial_bin_(max_side, max_side, max_items),
-      tree_(max_side, max_items, kMaxKnown, memory),
-      moves_(kMaxKnown) {
+      tree_(max_side, max_items, kMaxKnown, memory) {
     movable_.reserve(kMaxKnown);
     trial_view_.known.reserve(kMaxKnown);
     found_.reserve(kMaxKnown);

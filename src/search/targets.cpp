@@ -36,13 +36,15 @@ void TargetList::start(const View &view, const std::vector<int> &areas, int room
     });
     sorted_areas_.clear();
     for (int i : order_) sorted_areas_.push_back(areas[static_cast<size_t>(i)]);
-    may_leave_ = full ? 0 : std::min(may_leave, n);
+    may_leave_ = std::min(may_leave, n);
     full_ = full;
     list_belt_sets(view);
     largest_ = 0;
     for (const Belt &b : belts_) largest_ = std::max(largest_, element_area_ + b.area);
     if (full && largest_ <= room) {
         // Everything is to come in: the set of all recognised items alone.
+        may_leave_ = 0;
+        complete_ = true;
         belts_.erase(
             std::remove_if(belts_.begin(), belts_.end(),
                            [&](const Belt &b) { return element_area_ + b.area != largest_; }),
@@ -63,6 +65,7 @@ void TargetList::list_belt_sets(const View &view) {
         (count < kFreeBeltItems ? free : rest) |= known_bit(i);
         ++count;
     }
+    complete_ = rest == 0;
     const auto add = [&](KnownSet set) {
         if (view.reachable(set) == set) belts_.push_back({set, view.area(set)});
     };
@@ -84,14 +87,16 @@ void TargetList::rewind() {
     open_ = false;
 }
 
-bool TargetList::next(int above) {
+TargetList::Answer TargetList::next(int above, Budget &budget) {
     while (area_ > above) {
-        if (next_leaving()) {
+        const Answer answer = next_leaving(budget);
+        if (answer == Answer::kPaused) return answer;
+        if (answer == Answer::kTarget) {
             target_.area = area_;
             target_.belt = belts_[belt_].set;
             target_.left_out.clear();
             for (int c : chosen_) target_.left_out.push_back(order_[static_cast<size_t>(c)]);
-            return true;
+            return answer;
         }
         // The next number left out, then the next set from the belt, then the next smaller area.
         open_ = false;
@@ -99,46 +104,46 @@ bool TargetList::next(int above) {
         leaving_ = 0;
         if (++belt_ < belts_.size()) continue;
         belt_ = 0;
-        if (full_) return false;
+        if (full_) return Answer::kEnd;
         --area_;
     }
-    return false;
+    return Answer::kEnd;
 }
 
 // The next choice of `leaving_` elements whose areas add up to what has to stay out: by depth-first
 // search over the elements by falling area.
-bool TargetList::next_leaving() {
+TargetList::Answer TargetList::next_leaving(Budget &budget) {
     const auto n = static_cast<int>(order_.size());
     if (!open_) {
-        if (belts_.empty()) return false;
         wanted_ = element_area_ + belts_[belt_].area - area_;
         chosen_.clear();
-        if (wanted_ < 0) return false;
+        if (wanted_ < 0) return Answer::kEnd;
         open_ = true;
-        if (leaving_ == 0) return wanted_ == 0;
+        if (leaving_ == 0) return wanted_ == 0 ? Answer::kTarget : Answer::kEnd;
         chosen_.push_back(-1);
     } else if (leaving_ == 0) {
-        return false;
+        return Answer::kEnd;
     }
     while (!chosen_.empty()) {
+        if (!budget.idle()) return Answer::kPaused;
         const int i = ++chosen_.back();
         const int missing = leaving_ - static_cast<int>(chosen_.size());  // after this one
-        int sum = 0;
-        for (size_t c = 0; c + 1 < chosen_.size(); ++c)
-            sum += sorted_areas_[static_cast<size_t>(chosen_[c])];
-        const int rest = wanted_ - sum;
+        int rest = wanted_;
+        for (size_t c = 0; c + 1 < chosen_.size(); ++c) {
+            rest -= sorted_areas_[static_cast<size_t>(chosen_[c])];
+        }
         if (i + missing >= n || sorted_areas_[static_cast<size_t>(i)] * (missing + 1) < rest) {
             chosen_.pop_back();
             continue;
         }
         const int area = sorted_areas_[static_cast<size_t>(i)];
         if (missing == 0) {
-            if (area == rest) return true;
+            if (area == rest) return Answer::kTarget;
         } else if (rest - area >= missing * sorted_areas_.back()) {
             chosen_.push_back(i);
         }
     }
-    return false;
+    return Answer::kEnd;
 }
 
 }  // namespace packcell

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/budget.h"
 #include "search/view.h"
 
 namespace packcell {
@@ -31,8 +32,13 @@ public:
     // Begins again at the largest area.
     void rewind();
 
-    // The next target of more than `above` cells; false at the end. No heap use.
-    bool next(int above);
+    enum class Answer { kTarget, kEnd, kPaused };
+
+    // The next target of more than `above` cells. No heap use.
+    Answer next(int above, Budget &budget);
+
+    // Whether every target is listed: with many recognised items some are left out.
+    bool complete() const { return complete_; }
     const Target &target() const { return target_; }
 
 private:
@@ -42,9 +48,7 @@ private:
     };
 
     void list_belt_sets(const View &view);
-    bool next_choice(int above);
-    bool begin_leaving();
-    bool next_leaving();
+    Answer next_leaving(Budget &budget);
 
     std::vector<Belt> belts_;
     std::vector<int> order_;  // elements by falling area
@@ -54,6 +58,7 @@ private:
     int largest_ = 0;
     int may_leave_ = 0;
     bool full_ = false;
+    bool complete_ = true;
 
     int area_ = 0;       // being looked at
     size_t belt_ = 0;    // likewise

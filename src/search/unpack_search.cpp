@@ -8,7 +8,11 @@ namespace {
 
 // Once a smallest set is known, others of its size are tried for a better bin for as long as it
 // took to find it, and this much longer.
-constexpr uint64_t kQualityNodes = 500;
+constexpr uint64_t kQualityNodes = 3000;
+
+// Packings of one subset that are looked at: another may leave a better bin, or do with smaller
+// buffers.
+constexpr int kMostPackings = 40;
 
 }  // namespace
 
@@ -23,9 +27,8 @@ UnpackSearch::UnpackSearch(int max_side, size_t max_items, uint64_t memory)
     masks_.reserve(static_cast<size_t>(kMaxKnown) * 64);
     conflicts_.reserve(kMaxKnown);
     items_.reserve(2 * kMaxKnown);
-    placed_.reserve(2 * kMaxKnown);
-    best_unpacked_.reserve(2 * kMaxKnown);
-    best_packed_.reserve(2 * kMaxKnown);
+    unpacked_.reserve(2 * kMaxKnown);
+    packed_.reserve(2 * kMaxKnown);
 }
 
 void UnpackSearch::start(const Bin &bin, const Item *need, int need_count, const int *leave,
@@ -63,7 +66,8 @@ void UnpackSearch::start(const Bin &bin, const Item *need, int need_count, const
     refused_ = 0;
     subset_.start(static_cast<int>(movable_.size()), 0);
     in_packer_ = false;
-    found_ = false;
+    offered_ = false;
+    accepted_ = false;
 }
 
 // The minimal sets of movable items that lie under some placement of this size; base_ and trial_
@@ -106,8 +110,10 @@ void UnpackSearch::add_conflict(KnownSet mask) {
     c.count = masks_.size() - c.first;
 }
 
-// Whether each needed item has a placement once these are out.
-bool UnpackSearch::open(KnownSet out) const {
+// Whether each needed item has a placement once the subset is out.
+bool UnpackSearch::is_open() const {
+    KnownSet out = 0;
+    for (int s : subset_.indices()) out |= known_bit(s);
     for (const Conflicts &c : conflicts_) {
         bool ok = c.overflow;
         for (size_t m = c.first; m < c.first + c.count && !ok; ++m) ok = (masks_[m] & ~out) == 0;
@@ -128,51 +134,70 @@ void UnpackSearch::try_subset() {
     packer_.start(trial_, items_.data(), static_cast<int>(items_.size()), rotation_, 0);
 }
 
-void UnpackSearch::keep() {
-    placed_.resize(items_.size());
-    packer_.placements(placed_.data());
-    for (const Placement &p : placed_) trial_.place(p);
-    const int quality = -trial_.free_boundary();
-    if (!found_) quality_until_ = 2 * nodes_ + kQualityNodes;
-    if (found_ && quality <= best_quality_) return;
-    found_ = true;
-    best_quality_ = quality;
-    best_unpacked_.assign(leave_.begin(), leave_.end());
-    for (int s : subset_.indices()) best_unpacked_.push_back(movable_[static_cast<size_t>(s)]);
-    best_packed_.assign(placed_.begin(), placed_.end());
+// Reads the packer's packing; false when an accepted one leaves as good a bin.
+bool UnpackSearch::make_candidate() {
+    packed_.resize(items_.size());
+    packer_.placements(packed_.data());
+    for (const Placement &p : packed_) trial_.place(p);
+    quality_ = -trial_.free_boundary();
+    for (size_t i = 0; i < packed_.size(); ++i) trial_.undo_place();
+    if (accepted_ && quality_ <= best_quality_) return false;
+    unpacked_.assign(leave_.begin(), leave_.end());
+    for (int s : subset_.indices()) unpacked_.push_back(movable_[static_cast<size_t>(s)]);
+    return true;
+}
+
+void UnpackSearch::accept() {
+    if (!accepted_) quality_until_ = 2 * nodes_ + kQualityNodes;
+    accepted_ = true;
+    best_quality_ = quality_;
 }
 
 UnpackSearch::Answer UnpackSearch::run(Budget &budget, uint64_t node_limit) {
     for (;;) {
-        if (!in_packer_) {
-            KnownSet out = 0;
-            for (int s : subset_.indices()) out |= known_bit(s);
-            if (open(out)) {
-                try_subset();
-                in_packer_ = true;
-            } else {
-                if (++refused_ % Budget::kIdlePerNode == 0) ++nodes_;
-                if (!budget.idle()) return Answer::kPaused;
-            }
+        if (offered_) {
+            offered_ = false;
+            // A bin that is filled leaves nothing to be better at.
+            if (accepted_ && packer_.slack() == 0) return Answer::kDone;
+            if (packings_ == kMostPackings) in_packer_ = false;
+            if (!in_packer_ && !next_subset()) return Answer::kDone;
+        }
+        if (accepted_ && nodes_ > quality_until_) return Answer::kDone;
+        if (nodes_ >= node_limit) return Answer::kLimit;
+        if (!in_packer_ && is_open()) {
+            try_subset();
+            in_packer_ = true;
+            packings_ = 0;
         }
         if (in_packer_) {
-            const uint64_t limit = node_limit - std::min(node_limit, nodes_);
-            const ExactPacker::Answer answer = packer_.run(budget, limit);
+            const uint64_t before = packer_.nodes();
+            const ExactPacker::Answer answer = packer_.run(budget, before + (node_limit - nodes_));
+            nodes_ += packer_.nodes() - before;
             if (answer == ExactPacker::Answer::kPaused) return Answer::kPaused;
-            if (answer == ExactPacker::Answer::kLimit)
-                return found_ ? Answer::kFound : Answer::kLimit;
+            if (answer == ExactPacker::Answer::kLimit) return Answer::kLimit;
+            if (answer == ExactPacker::Answer::kFound) {
+                ++packings_;
+                offered_ = make_candidate();
+                if (offered_) return Answer::kCandidate;
+                if (packings_ < kMostPackings) continue;
+            }
             in_packer_ = false;
-            nodes_ += packer_.nodes() + 1;
-            if (answer == ExactPacker::Answer::kFound) keep();
-            // A bin that is filled leaves nothing to be better at.
-            if (found_ && (packer_.slack() == 0 || nodes_ > quality_until_)) return Answer::kFound;
+            ++nodes_;
+            if (!next_subset()) return Answer::kDone;
+        } else {
+            if (++refused_ % Budget::kIdlePerNode == 0) ++nodes_;
+            if (!next_subset()) return Answer::kDone;
+            if (!budget.idle()) return Answer::kPaused;
         }
-        if (nodes_ >= node_limit) return found_ ? Answer::kFound : Answer::kLimit;
-        if (subset_.next()) continue;
-        if (found_) return Answer::kFound;
-        if (subset_.size() == max_extra_) return Answer::kImpossible;
-        subset_.start(static_cast<int>(movable_.size()), subset_.size() + 1);
     }
+}
+
+// On to the next subset, of the size that was accepted or of the next one; false at the end.
+bool UnpackSearch::next_subset() {
+    if (subset_.next()) return true;
+    if (accepted_ || subset_.size() == max_extra_) return false;
+    subset_.start(static_cast<int>(movable_.size()), subset_.size() + 1);
+    return true;
 }
 
 }  // namespace packcell

@@ -13,7 +13,7 @@ namespace packcell {
 
 class UnpackSearch {
 public:
-    enum class Answer { kFound, kImpossible, kLimit, kPaused };
+    enum class Answer { kCandidate, kDone, kLimit, kPaused };
 
     UnpackSearch(int max_side, size_t max_items, uint64_t memory);
 
@@ -22,18 +22,17 @@ public:
     void start(const Bin &bin, const Item *need, int need_count, const int *leave, int leave_count,
                bool rotation, int max_extra);
 
-    // Found: with the fewest items taken out; of those sets, the one that leaves the best bin.
-    // kLimit once `node_limit` nodes were spent since start(), kPaused when the budget makes it
-    // return; after either, run() goes on.
+    // kCandidate: there is a packing with fewer items taken out than any that was accepted, or with
+    // as many and a better bin left; accept() it or not, then run() again. kDone when no further
+    // one is worth having. kLimit once `node_limit` nodes were spent since start(), kPaused when
+    // the budget makes it return; after either, run() goes on.
     Answer run(Budget &budget, uint64_t node_limit);
+    void accept();
 
-    // Whether there is a result already, perhaps not the best.
-    bool found() const { return found_; }
-
-    // With a result: indices in bin.items() of what is taken out, `leave` first, and where the rest
-    // of them and the needed items go (needed ones first).
-    const std::vector<int> &unpacked() const { return best_unpacked_; }
-    const std::vector<Placement> &packed() const { return best_packed_; }
+    // After kCandidate: indices in bin.items() of what is taken out, `leave` first, and where the
+    // rest of them and the needed items go (needed ones first).
+    const std::vector<int> &unpacked() const { return unpacked_; }
+    const std::vector<Placement> &packed() const { return packed_; }
 
 private:
     // The sets of one needed item, a range of masks_. With more of them than there is room for, the
@@ -46,9 +45,10 @@ private:
 
     void find_conflicts(Size size, bool turns);
     void add_conflict(KnownSet mask);
-    bool open(KnownSet out) const;
+    bool is_open() const;
+    bool next_subset();
     void try_subset();
-    void keep();
+    bool make_candidate();
 
     const Bin *bin_ = nullptr;
     bool rotation_ = false;
@@ -60,7 +60,10 @@ private:
     std::vector<Conflicts> conflicts_;
     Combination subset_;  // of movable_
     bool in_packer_ = false;
-    bool found_ = false;
+    bool offered_ = false;   // the last answer was kCandidate
+    bool accepted_ = false;  // some candidate was accepted, one of this subset size
+    int packings_ = 0;       // found for this subset
+    int quality_ = 0;        // of the candidate
     int best_quality_ = 0;
     uint64_t nodes_ = 0;          // spent since start()
     uint64_t refused_ = 0;        // subsets that left some needed item without a placement
@@ -68,9 +71,8 @@ private:
     Bin base_;                    // without `leave`
     Bin trial_;                   // without the subset too
     std::vector<Item> items_;
-    std::vector<Placement> placed_;
-    std::vector<int> best_unpacked_;
-    std::vector<Placement> best_packed_;
+    std::vector<int> unpacked_;
+    std::vector<Placement> packed_;
     ExactPacker packer_;
 };
 
