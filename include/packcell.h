@@ -318,8 +318,8 @@ typedef struct pkc_planner_options {
 } pkc_planner_options;
 PKC_API pkc_status pkc_planner_options_init(pkc_planner_options *options, size_t size);
 
-/* All memory is taken here: planning allocates none. The planner keeps its own hold on the policy;
- * NULL is the default policy. */
+/* All memory is taken here: planning allocates none. The planner keeps its own hold on the policy.
+ * NULL options are the defaults, a NULL policy is the default one. */
 PKC_API pkc_status pkc_planner_create(const pkc_planner_options *options, const pkc_policy *policy,
                                       pkc_planner **out_planner);
 PKC_API void pkc_planner_free(pkc_planner *planner);

@@ -86,7 +86,8 @@ pkc_status pkc_planner_create(const pkc_planner_options *options, const pkc_poli
                               pkc_planner **out_planner) {
     return guard([&] {
         require(out_planner, "out_planner");
-        const PlannerOptions checked = checked_options(options);
+        const pkc_planner_options defaults = default_options();
+        const PlannerOptions checked = checked_options(options != nullptr ? options : &defaults);
         auto chosen =
             policy != nullptr ? policy->policy : make_builtin_policy(builtin_policy_name(0));
         *out_planner = new pkc_planner(checked, std::move(chosen));

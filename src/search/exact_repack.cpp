@@ -86,7 +86,6 @@ bool ExactRepack::run(Budget &budget) {
             if (answer == TargetList::Answer::kPaused) return false;
             if (answer == TargetList::Answer::kEnd) {
                 round_open_ = false;
-                if (best_.found() && options_.full) undecided_ = 0;
                 continue;
             }
             begin_fits();
@@ -107,6 +106,7 @@ bool ExactRepack::run(Budget &budget) {
                 continue;
             }
             begin_unpack();
+            continue;
         }
         const UnpackSearch::Answer answer = unpack_.run(budget, round_limit(kUnpackNodes, round_));
         if (answer == UnpackSearch::Answer::kCandidate) {
@@ -175,9 +175,17 @@ void ExactRepack::begin_fits() {
 }
 
 void ExactRepack::begin_unpack() {
-    unpack_.start(*bin_, need_.data(), static_cast<int>(need_.size()), leave_.data(),
-                  static_cast<int>(leave_.size()), options_.rotation, kMaxKnown);
-    target_met_ = false;
+    // With a repacking for as many cells in hand, only fewer items to move are an improvement.
+    const bool rival = best_.found() && best_.occupied >= bare_.occupied() + targets_.target().area;
+    const auto leaving = static_cast<int>(leave_.size());
+    const int most = rival ? static_cast<int>(best_.unpacked.size()) - 1 - leaving : kMaxKnown;
+    target_met_ = rival;
+    if (most < 0) {
+        stage_ = Stage::kTarget;
+        return;
+    }
+    unpack_.start(*bin_, need_.data(), static_cast<int>(need_.size()), leave_.data(), leaving,
+                  options_.rotation, most);
     stage_ = Stage::kUnpack;
 }
 
