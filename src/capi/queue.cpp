@@ -161,6 +161,7 @@ pkc_status pkc_snapshot_save(const pkc_bin *bin, const pkc_queue *queue, uint8_t
     return guard([&] {
         const Use<const pkc_bin> use_bin("bin", bin);
         const Use<const pkc_queue> use_queue("queue", queue);
+        require(out_size, "out_size");
         ByteWriter sizing(nullptr, 0);
         save_snapshot(use_bin->bin, use_queue->queue, sizing);
         require_capacity(sizing.size(), capacity, out_size);

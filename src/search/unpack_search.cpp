@@ -162,8 +162,9 @@ UnpackSearch::Answer UnpackSearch::run(Budget &budget, uint64_t node_limit) {
             if (packings_ == kMostPackings) in_packer_ = false;
             if (!in_packer_ && !next_subset()) return Answer::kDone;
         }
-        if (accepted_ && nodes_ > quality_until_) return Answer::kDone;
-        if (nodes_ >= node_limit) return Answer::kLimit;
+        const uint64_t limit = accepted_ ? std::min(node_limit, quality_until_) : node_limit;
+        const Answer at_limit = accepted_ ? Answer::kDone : Answer::kLimit;
+        if (nodes_ >= limit) return at_limit;
         if (!in_packer_ && is_open()) {
             try_subset();
             in_packer_ = true;
@@ -171,10 +172,10 @@ UnpackSearch::Answer UnpackSearch::run(Budget &budget, uint64_t node_limit) {
         }
         if (in_packer_) {
             const uint64_t before = packer_.nodes();
-            const ExactPacker::Answer answer = packer_.run(budget, before + (node_limit - nodes_));
+            const ExactPacker::Answer answer = packer_.run(budget, before + (limit - nodes_));
             nodes_ += packer_.nodes() - before;
             if (answer == ExactPacker::Answer::kPaused) return Answer::kPaused;
-            if (answer == ExactPacker::Answer::kLimit) return Answer::kLimit;
+            if (answer == ExactPacker::Answer::kLimit) return at_limit;
             if (answer == ExactPacker::Answer::kFound) {
                 ++packings_;
                 offered_ = make_candidate();
