@@ -46,7 +46,19 @@ check-all:
 	@$(MAKE) --no-print-directory asan tsan valgrind tidy
 
 bench: build
-	@build/bin/packcell-bench
+	@build/bin/packcell-bench random --bins 500 --baseline-bins 50 --seed $(SEED)
+	@echo
+	@build/bin/packcell-bench full --sets 200 --preset table --seed $(SEED)
+	@echo
+	@build/bin/packcell-bench repack-time --bins 40 --budgets 10 --seed $(SEED)
+	@echo
+	@build/bin/packcell-bench selection --sets 100 --seed $(SEED)
+	@echo
+	@build/bin/packcell-bench bound --bins 100 --seed $(SEED)
+	@echo
+	@build/bin/packcell-bench offline --sets 10 --seed $(SEED)
+	@echo
+	@build/bin/packcell-bench large --sets 3 --seed $(SEED)
 
 # Assertions are live in the instrumented builds. Their warnings are judged in the plain build alone:
 # instrumentation makes GCC guess wrong.

@@ -138,7 +138,8 @@ void Planner::run_tree() {
     plan_.tree_nodes = budget_.nodes();
     if (!finished && budget_.paused()) return;
     if (tree_.best().length == 0) tree_.settle();
-    if (budget_.spent() || !may_repack || (tree_.best().length > 0 && tree_.best().complete)) {
+    if (budget_.spent() || !may_repack || bin_.full() ||
+        (tree_.best().length > 0 && tree_.best().complete)) {
         if (budget_.spent() && may_repack) plan_.proof = Proof::kBudget;
         stage_ = Stage::kDone;
         return;

@@ -113,7 +113,6 @@ TargetList::Answer TargetList::next(int above, Budget &budget) {
 // The next choice of `leaving_` elements whose areas add up to what has to stay out: by depth-first
 // search over the elements by falling area.
 TargetList::Answer TargetList::next_leaving(Budget &budget) {
-    const auto n = static_cast<int>(order_.size());
     if (!open_) {
         wanted_ = element_area_ + belts_[belt_].area - area_;
         chosen_.clear();
@@ -125,25 +124,29 @@ TargetList::Answer TargetList::next_leaving(Budget &budget) {
         return Answer::kEnd;
     }
     while (!chosen_.empty()) {
+        if (advance_choice()) return Answer::kTarget;
         if (!budget.idle()) return Answer::kPaused;
-        const int i = ++chosen_.back();
-        const int missing = leaving_ - static_cast<int>(chosen_.size());  // after this one
-        int rest = wanted_;
-        for (size_t c = 0; c + 1 < chosen_.size(); ++c) {
-            rest -= sorted_areas_[static_cast<size_t>(chosen_[c])];
-        }
-        if (i + missing >= n || sorted_areas_[static_cast<size_t>(i)] * (missing + 1) < rest) {
-            chosen_.pop_back();
-            continue;
-        }
-        const int area = sorted_areas_[static_cast<size_t>(i)];
-        if (missing == 0) {
-            if (area == rest) return Answer::kTarget;
-        } else if (rest - area >= missing * sorted_areas_.back()) {
-            chosen_.push_back(i);
-        }
     }
     return Answer::kEnd;
+}
+
+// One step of that search; true when the areas chosen add up.
+bool TargetList::advance_choice() {
+    const auto n = static_cast<int>(order_.size());
+    const int i = ++chosen_.back();
+    const int missing = leaving_ - static_cast<int>(chosen_.size());  // after this one
+    int rest = wanted_;
+    for (size_t c = 0; c + 1 < chosen_.size(); ++c) {
+        rest -= sorted_areas_[static_cast<size_t>(chosen_[c])];
+    }
+    if (i + missing >= n || sorted_areas_[static_cast<size_t>(i)] * (missing + 1) < rest) {
+        chosen_.pop_back();
+        return false;
+    }
+    const int area = sorted_areas_[static_cast<size_t>(i)];
+    if (missing == 0) return area == rest;
+    if (rest - area >= missing * sorted_areas_.back()) chosen_.push_back(i);
+    return false;
 }
 
 }  // namespace packcell

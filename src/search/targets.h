@@ -49,6 +49,7 @@ private:
 
     void list_belt_sets(const View &view);
     Answer next_leaving(Budget &budget);
+    bool advance_choice();
 
     std::vector<Belt> belts_;
     std::vector<int> order_;  // elements by falling area

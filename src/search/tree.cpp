@@ -169,7 +169,7 @@ bool TreeSearch::visit(Node &node, const Candidate &candidate) {
     } else if (options_.merge) {
         const Picks picks = choose_picks(*view_, chi_.data(), static_cast<int>(chi_length_));
         const auto rank = static_cast<uint32_t>(picks.depth_sum);
-        leaf = seen_.meet(bin_.hash() ^ set_hash(placed), rank) <= rank;
+        leaf = seen_.meet(state_key(placed), rank) <= rank;
     }
     const size_t before = depth_;
     if (!leaf) expand(placed);
@@ -178,6 +178,20 @@ bool TreeSearch::visit(Node &node, const Candidate &candidate) {
         --chi_length_;
     }
     return true;
+}
+
+// States with this key have the same best sequence ahead of them: occupancy and items placed agree,
+// and so do the places of those items that may yet turn out not to be carried out.
+uint64_t TreeSearch::state_key(KnownSet placed) const {
+    uint64_t key = bin_.hash() ^ set_hash(placed);
+    const KnownSet blocked = placed & ~view_->reachable(placed);
+    for (size_t t = 0; blocked != 0 && t < chi_length_; ++t) {
+        const Tuple &tuple = chi_[t];
+        if ((blocked & known_bit(tuple.known)) == 0) continue;
+        const int place = ((tuple.known * kMaxSide + tuple.y) * kMaxSide + tuple.x) * 2 + tuple.rot;
+        key ^= mix64(static_cast<uint64_t>(place));
+    }
+    return key;
 }
 
 void TreeSearch::pop() {

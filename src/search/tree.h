@@ -77,6 +77,7 @@ private:
     bool is_twin(int known, KnownSet rest) const;
     void sort_and_select(Node &node, int remaining);
     bool visit(Node &node, const Candidate &candidate);
+    uint64_t state_key(KnownSet placed) const;
     void pop();
     void judge(bool complete, KnownSet placed);
     int64_t score_of(KnownSet placed);
