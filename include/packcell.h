@@ -419,7 +419,7 @@ typedef struct pkc_generator_options {
 PKC_API pkc_status pkc_generator_options_init(pkc_generator_options *options, size_t size);
 
 /* Sets mean and sigma: "text" (0.5 and 2: about 11.3 items on 10 x 10) or "table" (0.445 and 1:
- * about 8.2 items, as in the paper's Table (b)). */
+ * about 8.4 items; the paper's Table (b) has 8.17). */
 PKC_API pkc_status pkc_generator_preset(pkc_generator_options *options, const char *preset);
 
 typedef struct pkc_generator pkc_generator;

@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Shared by the tests of the console programs; sourced with the build and the source folder as
 # arguments. Sets build, source, work, gen, pack, checker.
 set -euo pipefail

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The programs in a shell's daily life: interrupts, full disks, closed pipes, standard input,
 # other programs' formats, narrow terminals, and equal output from equal work.
+# shellcheck disable=SC2016 # inner shells expand their own arguments
 here=$(dirname "$0")
 # shellcheck source=tests/programs/common.sh
 source "$here/common.sh" "$@"
@@ -35,7 +36,7 @@ for signal in INT TERM; do
         status=0
         wait $job || status=$?
         expected=$([ $signal = INT ] && echo 130 || echo 143)
-        [ "$status" = $expected ] || fail "$what: exit code $status, expected $expected"
+        [ "$status" = "$expected" ] || fail "$what: exit code $status, expected $expected"
         [ ! -s "$work/stderr" ] || fail "$what: $(head -1 "$work/stderr")"
         bins=$(wc -l <"$work/part.jsonl")
         if [ "$bins" -ge 100000 ]; then fail "$what: came too late to tell"; fi
@@ -64,9 +65,27 @@ exec 7>&-
 [ "$status" = 130 ] || fail "an interrupt while reading: exit code $status"
 [ "$(wc -l <"$work/part.jsonl")" = 12 ] || fail 'an interrupt while reading lost bins'
 
+# A second interrupt ends a bin that takes long.
+{
+    printf '{"id":"slow","bin":[128,128],"items":[[1,1]'
+    printf ',[2,1],[1,2],[1,1],[3,2]%.0s' $(seq 2000)
+    printf ']}\n'
+} >"$work/slow.jsonl"
+"$pack" --in "$work/slow.jsonl" --out "$work/slow.out" --quiet --scenario D-R5A3O1 --budget-nodes 0 &
+job=$!
+sleep 1
+kill -INT $job
+sleep 1
+kill -INT $job 2>/dev/null || fail 'the first interrupt ended a bin half-way'
+status=0
+{ wait $job || status=$?; } 2>/dev/null
+[ "$status" = 130 ] || fail "the second interrupt: exit code $status"
+[ ! -s "$work/slow.out" ] || fail 'a bin was written that the second interrupt cut off'
+
 # timeout signals the process and its group: that is one interrupt, not two.
 status=0
-timeout --preserve-status -s INT 1 "$pack" --in "$work/endless.jsonl" --out "$work/part.jsonl" \
+"$gen" --kind random --count 20000 --seed 6 --out "$work/long.jsonl"
+timeout --preserve-status -s INT 3 "$pack" --in "$work/long.jsonl" --out "$work/part.jsonl" \
     --quiet "${scenario[@]}" || status=$?
 [ "$status" = 130 ] || fail "under timeout: exit code $status"
 [ -s "$work/part.jsonl" ] || fail 'under timeout: no bin was finished'
