@@ -6,16 +6,15 @@ namespace packcell {
 
 namespace {
 
-// Nodes between two looks at the clock: some microseconds of work.
-constexpr uint64_t kCheckEvery = 64;
-
 // Beyond this a deadline is as good as none, and adding it to the clock could overflow.
 constexpr double kLongestMilliseconds = 1e12;
 
 }  // namespace
 
-void Budget::start(uint64_t max_nodes, double max_milliseconds, const std::atomic<bool> *cancel) {
+void Budget::start(uint64_t max_nodes, double max_milliseconds, const std::atomic<bool> *cancel,
+                   uint64_t check_every) {
     *this = Budget();
+    check_every_ = check_every;
     max_nodes_ = max_nodes == 0 ? UINT64_MAX : max_nodes;
     if (max_milliseconds > 0 && max_milliseconds < kLongestMilliseconds) {
         deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -31,7 +30,7 @@ void Budget::pause_after(uint64_t nodes) {
 
 bool Budget::check() {
     if (nodes_ >= max_nodes_) spent_ = true;
-    next_check_ = std::min({nodes_ + kCheckEvery, max_nodes_, pause_at_});
+    next_check_ = std::min({nodes_ + check_every_, max_nodes_, pause_at_});
     if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) {
         cancelled_ = true;
         spent_ = true;

@@ -13,8 +13,10 @@ class Budget {
 public:
     using Clock = std::chrono::steady_clock;
 
-    // Zero means no limit. `cancel` may be null and must outlive the budget.
-    void start(uint64_t max_nodes, double max_milliseconds, const std::atomic<bool> *cancel);
+    // Zero means no limit. `cancel` may be null and must outlive the budget. `check_every` nodes
+    // the clock and the flag are looked at: fewer where a node is much work.
+    void start(uint64_t max_nodes, double max_milliseconds, const std::atomic<bool> *cancel,
+               uint64_t check_every = kCheckEvery);
 
     // Work until `nodes` more are spent, then report paused().
     void pause_after(uint64_t nodes);
@@ -26,13 +28,16 @@ public:
         return check();
     }
 
-    // Counts work in which no placement was tried, a small fraction of a node.
+    // Counts work without a placement that is worth a node only when there is much of it.
     bool idle() {
         if (++idle_ % kIdlePerNode != 0) return true;
         return spend();
     }
 
     static constexpr uint64_t kIdlePerNode = 16;
+
+    // On small bins: some microseconds of work.
+    static constexpr uint64_t kCheckEvery = 64;
 
     bool spent() const { return spent_; }
     bool cancelled() const { return cancelled_; }
@@ -49,6 +54,7 @@ private:
     uint64_t nodes_ = 0;
     uint64_t max_nodes_ = UINT64_MAX;
     uint64_t pause_at_ = UINT64_MAX;
+    uint64_t check_every_ = kCheckEvery;
     uint64_t next_check_ = 0;
     uint64_t idle_ = 0;
     Clock::time_point deadline_ = Clock::time_point::max();

@@ -52,4 +52,11 @@ struct Placement {
     }
 };
 
+// Whether the item may be taken out and put back: not when it is pinned, nor when it lies turned
+// and must not be turned again.
+inline bool may_move(const Placement &p, bool rotation) {
+    const bool turned = p.rot != 0 && p.item.w != p.item.h;
+    return !p.item.pinned() && (!turned || (rotation && p.item.turns()));
+}
+
 }  // namespace packcell

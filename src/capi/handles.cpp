@@ -36,6 +36,7 @@ Scenario checked_scenario(const pkc_scenario *scenario) {
 pkc_budget default_budget() { return {sizeof(pkc_budget), 0, 200000, 0.0}; }
 
 pkc_budget checked_budget(const pkc_budget *budget) {
+    if (budget == nullptr) return default_budget();
     const pkc_budget b = read_struct("budget", budget, default_budget());
     require_range("budget.reserved", b.reserved, 0, 0);
     require_finite("budget.milliseconds", b.milliseconds, 0.0, kLongestMilliseconds);

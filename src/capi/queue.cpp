@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "capi/handles.h"
 #include "feed/snapshot.h"
@@ -7,6 +8,17 @@
 using namespace packcell;
 
 namespace {
+
+std::vector<Action> to_core(const pkc_action *actions, size_t count) {
+    if (count > 0) require(actions, "actions");
+    std::vector<Action> core;
+    core.reserve(count);
+    for (size_t i = 0; i < count; ++i) {
+        const pkc_action &a = actions[i];
+        core.push_back({a.op, a.item, a.x, a.y, a.rot, a.arm});
+    }
+    return core;
+}
 
 pkc_queue_info default_info() { return {sizeof(pkc_queue_info), 0, 0, 0, 0, 0}; }
 
@@ -140,9 +152,8 @@ pkc_status pkc_queue_buffer(const pkc_queue *queue, pkc_queued *items, size_t ca
 pkc_status pkc_plan_hash(const pkc_action *actions, size_t count, uint64_t *out_hash) {
     return guard([&] {
         require(out_hash, "out_hash");
-        if (count > 0) require(actions, "actions");
-        static_assert(sizeof(pkc_action) == sizeof(Action), "the two records are the same");
-        *out_hash = plan_hash(reinterpret_cast<const Action *>(actions), count);
+        const std::vector<Action> core = to_core(actions, count);
+        *out_hash = plan_hash(core.data(), core.size());
     });
 }
 
@@ -150,9 +161,8 @@ pkc_status pkc_step_apply(pkc_bin *bin, pkc_queue *queue, const pkc_action *acti
     return guard([&] {
         const Use<pkc_bin> use_bin("bin", bin);
         const Use<pkc_queue> use_queue("queue", queue);
-        if (count > 0) require(actions, "actions");
-        apply_step(use_bin->bin, use_queue->queue, reinterpret_cast<const Action *>(actions),
-                   count);
+        const std::vector<Action> core = to_core(actions, count);
+        apply_step(use_bin->bin, use_queue->queue, core.data(), core.size());
     });
 }
 

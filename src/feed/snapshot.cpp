@@ -76,7 +76,7 @@ void read_bin(ByteReader &in, Bin &bin) {
         p.item = read_item(in);
         p.x = in.ranged("x", 0, kMaxSide);
         p.y = in.ranged("y", 0, kMaxSide);
-        p.rot = in.ranged("rot", 0, 1);
+        p.rot = in.ranged("rot", 0, (p.item.flags & kNoRotate) != 0 ? 0 : 1);
         if (!bin.is_free(p.rect())) {
             fail(Status::kFormat, "byte %zu: item %d does not lie on free cells", at, p.item.id);
         }

@@ -19,6 +19,9 @@ public:
     // depend on the bin and the size alone. Safe to call from several threads.
     virtual int select(const Bin &bin, Size size) const = 0;
 
+    // Whether the position depends on which cells are taken alone, not on what lies there.
+    virtual bool by_occupancy() const { return true; }
+
     virtual const char *name() const = 0;
 };
 

@@ -20,6 +20,7 @@ namespace packcell {
 class ShelfNextFitPolicy final : public Policy {
 public:
     int select(const Bin &bin, Size size) const override;
+    bool by_occupancy() const override { return false; }
     const char *name() const override { return "shelf-next-fit"; }
 };
 

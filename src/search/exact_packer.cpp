@@ -6,7 +6,7 @@ namespace packcell {
 
 namespace {
 
-// From this depth on the states met are remembered: shallower searches end sooner without.
+// After so many nodes the states met are remembered: shorter searches end sooner without.
 constexpr uint64_t kRememberAfter = 200;
 
 // The views are the symmetries of the square: bit 0 flips x, bit 1 flips y, bit 2 transposes.
@@ -128,7 +128,9 @@ ExactPacker::Answer ExactPacker::run(Budget &budget, uint64_t node_limit) {
             ++nodes_;
             budget.spend();
             if (left_ == 0) return Answer::kFound;
-        } else if (!waste(frame)) {
+        } else if (waste(frame)) {
+            budget.idle();
+        } else {
             --depth_;
             continue;
         }

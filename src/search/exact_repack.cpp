@@ -49,10 +49,10 @@ void ExactRepack::start(const Bin &bin, const View &view, const RepackOptions &o
     areas_.clear();
     bare_.assign(bin);
     for (int i = static_cast<int>(bin.items().size()); i-- > 0 && movable_.size() < kMaxKnown;) {
-        const Item &item = bin.items()[static_cast<size_t>(i)].item;
-        if (item.pinned()) continue;
+        const Placement &p = bin.items()[static_cast<size_t>(i)];
+        if (!may_move(p, options.rotation)) continue;
         movable_.push_back(i);
-        areas_.push_back(item.area());
+        areas_.push_back(p.item.area());
         bare_.remove(static_cast<size_t>(i));
     }
     for (int k = 0; k < view.count(); ++k) {
@@ -89,7 +89,7 @@ bool ExactRepack::run(Budget &budget) {
                 continue;
             }
             begin_fits();
-            if (!budget.idle()) return false;
+            if (!budget.spend()) return false;
         }
         if (stage_ == Stage::kFits) {
             const ExactPacker::Answer answer = packer_.run(budget, round_limit(kFitsNodes, round_));
@@ -111,6 +111,7 @@ bool ExactRepack::run(Budget &budget) {
         const UnpackSearch::Answer answer = unpack_.run(budget, round_limit(kUnpackNodes, round_));
         if (answer == UnpackSearch::Answer::kCandidate) {
             take_unpacked();
+            budget.spend();
             continue;
         }
         if (answer == UnpackSearch::Answer::kPaused && !budget.spent()) return false;

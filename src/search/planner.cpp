@@ -26,6 +26,14 @@ double thread_milliseconds() {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
+// A node asks the policy about every known item on every cell: on large bins the clock is looked at
+// more often.
+uint64_t check_every(const Bin &bin, size_t known) {
+    constexpr uint64_t kCellsPerCheck = 1 << 16;
+    const uint64_t cells = static_cast<uint64_t>(bin.cells()) * std::max<uint64_t>(known, 1);
+    return std::clamp<uint64_t>(kCellsPerCheck / cells, 1, Budget::kCheckEvery);
+}
+
 void check_range(const char *name, long long value, long long least, long long most) {
     if (value < least || value > most) {
         fail(Status::kArgument, "%s %lld: must be %lld..%lld", name, value, least, most);
@@ -72,6 +80,7 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
                     double max_milliseconds) {
     const auto seen = std::min(queue.belt_size(), static_cast<size_t>(queue.scenario().recognized));
     const auto known = seen + queue.buffer().size();
+    stage_ = Stage::kIdle;
     if (bin.w() > options_.max_side || bin.h() > options_.max_side) {
         fail(Status::kLimit, "bin %dx%d: the planner's max_side is %d", bin.w(), bin.h(),
              options_.max_side);
@@ -93,7 +102,7 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
     cancel_.store(false, std::memory_order_relaxed);
     bin_.assign(bin);
     view_.look(queue);
-    budget_.start(max_nodes, max_milliseconds, &cancel_);
+    budget_.start(max_nodes, max_milliseconds, &cancel_, check_every(bin, known));
     plan_ = Plan();
     repack_begun_ = false;
     tree_.start(bin_, view_, tree_options());
@@ -104,7 +113,7 @@ TreeOptions Planner::tree_options() const {
     TreeOptions tree;
     tree.policy = policy_.get();
     tree.rotation = options_.rotation;
-    tree.merge = options_.method == Method::kExact;
+    tree.merge = options_.method == Method::kExact && policy_->by_occupancy();
     tree.select = pruning();
     return tree;
 }
@@ -140,7 +149,7 @@ void Planner::run_tree() {
     if (tree_.best().length == 0) tree_.settle();
     if (budget_.spent() || !may_repack || bin_.full() ||
         (tree_.best().length > 0 && tree_.best().complete)) {
-        if (budget_.spent() && may_repack) plan_.proof = Proof::kBudget;
+        if (budget_.spent()) plan_.proof = Proof::kBudget;
         stage_ = Stage::kDone;
         return;
     }

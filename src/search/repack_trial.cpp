@@ -24,7 +24,7 @@ void RepackTrial::start(const Bin &bin, const View &view, const TreeOptions &tre
     best_.clear();
     movable_.clear();
     for (int i = static_cast<int>(bin.items().size()); i-- > 0 && movable_.size() < kMaxKnown;) {
-        if (!bin.items()[static_cast<size_t>(i)].item.pinned()) movable_.push_back(i);
+        if (may_move(bin.items()[static_cast<size_t>(i)], tree.rotation)) movable_.push_back(i);
     }
     subset_.start(static_cast<int>(movable_.size()), 0);
     in_tree_ = false;
@@ -38,10 +38,10 @@ bool RepackTrial::run(Budget &budget) {
             if (!next_subset()) break;
             take_out();
             in_tree_ = true;
-            if (!budget.idle()) return false;
+            if (!budget.spend()) return false;
         }
         if (!tree_.run(budget)) {
-            if (budget.spent() && !options_.require_full) keep();
+            if (budget.spent()) keep();
             return false;
         }
         in_tree_ = false;

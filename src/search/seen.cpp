@@ -17,6 +17,13 @@ SeenStates::SeenStates(uint64_t memory) : mask_(0) {
     mask_ = count - kBucket;
 }
 
+void SeenStates::clear() {
+    if (++generation_ != 0) return;
+    // Once in four billion: entries of an old round would count as met again.
+    std::fill(entries_.begin(), entries_.end(), Entry());
+    generation_ = 1;
+}
+
 uint32_t SeenStates::meet(uint64_t key, uint32_t rank) {
     const uint64_t spread = mix64(key);
     Entry *bucket = &entries_[(spread & mask_) / kBucket * kBucket];

@@ -15,7 +15,7 @@ public:
     explicit SeenStates(uint64_t memory);
 
     // Forgets everything.
-    void clear() { ++generation_; }
+    void clear();
 
     // The least `rank` that this state was met with before, or UINT32_MAX; remembers the smaller.
     // Two states share an entry only when their 64-bit keys agree.

@@ -100,12 +100,15 @@ TargetList::Answer TargetList::next(int above, Budget &budget) {
         }
         // The next number left out, then the next set from the belt, then the next smaller area.
         open_ = false;
-        if (++leaving_ <= may_leave_) continue;
+        const bool too_little = wanted_ < 0;
+        if (!too_little && ++leaving_ <= may_leave_) continue;
         leaving_ = 0;
-        if (++belt_ < belts_.size()) continue;
-        belt_ = 0;
-        if (full_) return Answer::kEnd;
-        --area_;
+        if (++belt_ == belts_.size()) {
+            belt_ = 0;
+            if (full_) return Answer::kEnd;
+            --area_;
+        }
+        if (!budget.idle()) return Answer::kPaused;
     }
     return Answer::kEnd;
 }

@@ -12,15 +12,6 @@ uint64_t set_hash(KnownSet set) {
 
 }  // namespace
 
-void Outcome::assign(const Outcome &other) {
-    score = other.score;
-    occupied = other.occupied;
-    depth_sum = other.depth_sum;
-    complete = other.complete;
-    length = other.length;
-    std::copy_n(other.sequence.begin(), other.length, sequence.begin());
-}
-
 TreeSearch::TreeSearch(int max_side, size_t max_items, int max_known, uint64_t memory)
     : bin_(max_side, max_side, max_items + static_cast<size_t>(max_known)),
       sim_(max_side, max_side, max_items + static_cast<size_t>(max_known)),
@@ -115,7 +106,7 @@ int TreeSearch::position_of(Size size) {
     for (const SizedPosition &s : sizes_) {
         if (s.size.w == size.w && s.size.h == size.h) return s.position;
     }
-    sizes_.push_back({size, options_.policy->select(bin_, size), 0});
+    sizes_.push_back({size, options_.policy->select(bin_, size)});
     return sizes_.back().position;
 }
 

@@ -32,7 +32,6 @@ struct Outcome {
     std::vector<Tuple> sequence;
 
     explicit Outcome(size_t reserve) { sequence.resize(reserve); }
-    void assign(const Outcome &other);
 };
 
 class TreeSearch {
@@ -51,9 +50,6 @@ public:
     // budget ends before its first leaf.
     const Outcome &best() const { return best_; }
     void settle();
-
-    // Algorithm 2's second output: a sequence that fills the bin was found (in full-pack mode).
-    bool solved() const { return solved_; }
 
 private:
     struct Candidate {
@@ -95,14 +91,13 @@ private:
     size_t chi_length_ = 0;
     SeenStates seen_;
     Outcome best_;
-    uint64_t spent_ = 0;  // nodes since start()
-    bool solved_ = false;
+    uint64_t spent_ = 0;   // nodes since start()
+    bool solved_ = false;  // Algorithm 2's second output
     bool running_ = false;
 
     struct SizedPosition {
         Size size;
         int position;
-        int reward;
     };
     std::vector<SizedPosition> sizes_;  // policy answers at the node being expanded
 };

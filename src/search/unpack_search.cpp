@@ -10,6 +10,11 @@ namespace {
 // took to find it, and this much longer.
 constexpr uint64_t kQualityNodes = 3000;
 
+// Sets of items under placements that are kept, of all needed items together; and placements times
+// movable items that are looked at for one of them.
+constexpr size_t kMostMasks = size_t{kMaxKnown} * 64;
+constexpr int kMostMaskWork = 1 << 17;
+
 // Packings of one subset that are looked at: another may leave a better bin, or do with smaller
 // buffers.
 constexpr int kMostPackings = 40;
@@ -24,7 +29,7 @@ UnpackSearch::UnpackSearch(int max_side, size_t max_items, uint64_t memory)
     movable_.reserve(kMaxKnown);
     leave_.reserve(kMaxKnown);
     need_.reserve(kMaxKnown);
-    masks_.reserve(static_cast<size_t>(kMaxKnown) * 64);
+    masks_.reserve(kMostMasks);
     conflicts_.reserve(kMaxKnown);
     items_.reserve(2 * kMaxKnown);
     unpacked_.reserve(2 * kMaxKnown);
@@ -43,7 +48,7 @@ void UnpackSearch::start(const Bin &bin, const Item *need, int need_count, const
 
     movable_.clear();
     for (int i = static_cast<int>(bin.items().size()); i-- > 0 && movable_.size() < kMaxKnown;) {
-        if (bin.items()[static_cast<size_t>(i)].item.pinned()) continue;
+        if (!may_move(bin.items()[static_cast<size_t>(i)], rotation)) continue;
         if (std::find(leave_.begin(), leave_.end(), i) == leave_.end()) movable_.push_back(i);
     }
     max_extra_ = std::min(max_extra, static_cast<int>(movable_.size()));
@@ -73,7 +78,10 @@ void UnpackSearch::start(const Bin &bin, const Item *need, int need_count, const
 // The minimal sets of movable items that lie under some placement of this size; base_ and trial_
 // are the bin without what leaves, and without its movable items too.
 void UnpackSearch::find_conflicts(Size size, bool turns) {
-    conflicts_.push_back({masks_.size(), 0, false});
+    const int placements = (bin_->w() - size.w + 1) * (bin_->h() - size.h + 1);
+    const bool too_many = placements * static_cast<int>(movable_.size()) > kMostMaskWork;
+    conflicts_.push_back({masks_.size(), 0, too_many});
+    if (too_many) return;
     Positions positions;
     for (int rot = 0; rot < (turns ? 2 : 1); ++rot) {
         if (rot == 1) std::swap(size.w, size.h);
@@ -102,7 +110,7 @@ void UnpackSearch::add_conflict(KnownSet mask) {
     masks_.erase(
         std::remove_if(begin, masks_.end(), [mask](KnownSet o) { return (mask & ~o) == 0; }),
         masks_.end());
-    if (masks_.size() == masks_.capacity()) {
+    if (masks_.size() == kMostMasks) {
         c.overflow = true;
     } else {
         masks_.push_back(mask);
@@ -185,6 +193,8 @@ UnpackSearch::Answer UnpackSearch::run(Budget &budget, uint64_t node_limit) {
             in_packer_ = false;
             ++nodes_;
             if (!next_subset()) return Answer::kDone;
+            // Setting up the packer for a subset is worth a node.
+            if (!budget.spend()) return Answer::kPaused;
         } else {
             if (++refused_ % Budget::kIdlePerNode == 0) ++nodes_;
             if (!next_subset()) return Answer::kDone;

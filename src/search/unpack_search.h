@@ -35,7 +35,7 @@ public:
     const std::vector<Placement> &packed() const { return packed_; }
 
 private:
-    // The sets of one needed item, a range of masks_. With more of them than there is room for, the
+    // The sets of one needed item, a range of masks_. With more of them than are kept, the
     // item counts as placeable: the exact packer then decides alone.
     struct Conflicts {
         size_t first;

@@ -23,10 +23,6 @@ void View::look(const Queue &queue) {
     }
 }
 
-void View::add_unpacked(const Item &item, int arm) {
-    known.insert(known.begin(), {item, arm, -1, 1 << arm});
-}
-
 KnownSet View::accessible() const {
     KnownSet set = 0;
     for (int i = 0; i < count(); ++i) {

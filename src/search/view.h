@@ -48,9 +48,6 @@ struct View {
     // Refills the view; no heap use while the items fit the room reserved.
     void look(const Queue &queue);
 
-    // An item that was in the bin joins C, held by this arm.
-    void add_unpacked(const Item &item, int arm);
-
     KnownSet all() const { return row_ones(0, count()); }
 
     // Items that can be taken at the start of the step: buffered ones, and those within reach.
