@@ -6,8 +6,9 @@
  * (Lee and Nam), called "the paper" below.
  *
  * Conventions, for every function:
- *  - It returns a pkc_status. PKC_OK is 0; a failing call leaves every out-parameter untouched, and
- *    pkc_last_error() says which value was wrong and what is allowed.
+ *  - It returns a pkc_status, unless it frees or gives a name. PKC_OK is 0; a failing call leaves
+ *    every out-parameter untouched (but see arrays, below), and pkc_last_error() says which value
+ *    was wrong and what is allowed.
  *  - Lengths are in bin cells: x to the right, y down, origin at the top-left cell, cell index
  *    x + y * W. Items are w x h cells; `rot` 1 turns an item by a quarter, which swaps w and h.
  *  - Handles come from a `create` or `load` call and go back to the matching `free`, which takes
@@ -17,9 +18,13 @@
  *  - Arrays are the caller's. A function that fills one takes its capacity in elements and stores
  *    the number of elements there are; with too small an array it stores nothing but that number
  *    and returns PKC_E_CAPACITY. NULL with capacity 0 asks for the number.
- *  - Option structs begin with struct_size; fill them by their `_init` function before setting
- *    fields, so that a program built today runs against a later library.
- *  - Nothing is printed, no file is touched, no thread is started, no global state is kept.
+ *  - Option and info structs begin with struct_size; fill them by their `_init` function first, so
+ *    that a program built today runs against a later library.
+ *  - Nothing is printed, no file is touched, no thread is started; the text of pkc_last_error(),
+ *    one a thread, is the only state outside the handles.
+ *  - A handle must not be freed while a call uses it.
+ *
+ * Built by GCC or Clang for 64-bit targets.
  */
 #ifndef PACKCELL_H
 #define PACKCELL_H
@@ -98,10 +103,14 @@ typedef struct pkc_queued {
     int32_t recognized;
 } pkc_queued;
 
-#define PKC_UNPACK 1 /* item, arm: from the bin into the arm's buffer */
-#define PKC_PACK 2   /* item, x, y, rot, arm: from the conveyor or the arm's buffer into the bin */
-#define PKC_SKIP 3   /* item: taken off the conveyor for good (sets only) */
-#define PKC_TERMINATE 4 /* the bin is closed */
+#define PKC_OP_UNPACK 1 /* item, arm: from the bin into the arm's buffer */
+#define PKC_OP_PACK                                                                               \
+    2                 /* item, x, y, rot, arm: from the conveyor or the arm's buffer into the bin \
+                       */
+#define PKC_OP_SKIP 3 /* item: taken off the conveyor for good (sets only) */
+#define PKC_OP_TERMINATE 4 /* the bin is closed */
+
+#define PKC_MAX_ACTIONS 768 /* no step has more: an array of so many always suffices */
 
 /* A task primitive (paper, Sec. III-A). Fields that an operation does not use are 0. */
 typedef struct pkc_action {
@@ -145,8 +154,9 @@ PKC_API pkc_status pkc_bin_clear(pkc_bin *bin);
  * of the w x h rectangle at (x, y) is taken already. */
 PKC_API pkc_status pkc_bin_block(pkc_bin *bin, int32_t x, int32_t y, int32_t w, int32_t h);
 
-/* Puts an item at (x, y), paper eq. (1). PKC_E_STATE if it does not lie on free cells alone or its
- * id is in the bin already. Any position is allowed; the policies choose good ones. */
+/* Puts an item at (x, y), paper eq. (1). PKC_E_STATE if it does not lie on free cells alone, its id
+ * is in the bin already, or it is turned and must not be. Any position is allowed; the policies
+ * choose good ones. */
 PKC_API pkc_status pkc_bin_pack(pkc_bin *bin, const pkc_item *item, int32_t x, int32_t y,
                                 int32_t rot);
 
@@ -306,11 +316,14 @@ typedef struct pkc_planner pkc_planner;
 typedef struct pkc_planner_options {
     uint32_t struct_size;
     int32_t method;   /* PKC_METHOD_EXACT */
-    int32_t rotation; /* 1: items may be turned; 0: never */
+    int32_t rotation; /* 1 (default): items may be turned; 0: never */
     int32_t repack;   /* PKC_REPACK_OFF */
     int32_t select;   /* PKC_SELECT_AUTO, PKC_SELECT_ALL, or candidates kept a node, 1..128 */
-    int32_t buffer_capacity; /* items an arm's buffer holds, 0..4096, or PKC_UNLIMITED */
-    int32_t skip;            /* 1: an accessible item that cannot be placed is skipped for good */
+    int32_t buffer_capacity; /* items an arm's buffer holds at any moment of a step, 0..4096; an
+                                item that goes straight back into the bin is in the gripper, not
+                                there; PKC_UNLIMITED (default) */
+    int32_t skip;            /* 1: an accessible item that cannot be placed is skipped for good;
+                                0 (default): it stays for the next bin */
     int32_t max_side;        /* largest bin side planned for, 1..128 (128) */
     int32_t max_items;       /* most items in the bin at once, 1..16384 (256) */
     int32_t max_known;       /* most recognised and buffered items together, 1..128 (128) */
@@ -324,7 +337,8 @@ PKC_API pkc_status pkc_planner_create(const pkc_planner_options *options, const 
                                       pkc_planner **out_planner);
 PKC_API void pkc_planner_free(pkc_planner *planner);
 
-/* How much a plan may cost. A budget in nodes alone gives the same plan on every machine. */
+/* How much a plan may cost. A budget in nodes alone gives the same plan on every machine. Where a
+ * budget is asked for, NULL is the default one; one without any limit may run for hours. */
 typedef struct pkc_budget {
     uint32_t struct_size;
     uint32_t reserved;   /* 0 */
@@ -337,20 +351,23 @@ PKC_API pkc_status pkc_budget_init(pkc_budget *budget,
 #define PKC_PROOF_NONE 0    /* nothing was to be proved: no repacking was needed or allowed */
 #define PKC_PROOF_OPTIMAL 1 /* no plan over the known items does better in this mode */
 #define PKC_PROOF_IMPOSSIBLE \
-    2                      /* full mode: the known items cannot all be placed, nor the bin filled */
-#define PKC_PROOF_BUDGET 3 /* the budget, or the memory, ended the search first */
+    2 /* full mode: the known items cannot all be placed, nor the bin filled */
+#define PKC_PROOF_BUDGET                                                 \
+    3 /* not decided: the budget ended first, or the limits of what is   \
+         looked at (buffers, 8 belt items, 128 packed ones) stood in the \
+         way */
 
 typedef struct pkc_plan_info {
     uint32_t struct_size;
-    int32_t actions;            /* actions of this step */
-    int32_t packs, unpacks;     /* among them */
-    int32_t repacked;           /* 1: the plan came from repacking */
-    int32_t terminate;          /* 1: the bin is closed by this step */
-    int32_t proof;              /* PKC_PROOF_* */
-    int32_t cancelled;          /* 1: pkc_planner_cancel ended the search */
-    double utilization;         /* of the bin once all that was planned ahead is packed, 0..1 */
-    int64_t score;              /* mu: contact rewards summed over the forward simulation */
-    uint64_t nodes;             /* placements tried */
+    int32_t actions;        /* actions of this step */
+    int32_t packs, unpacks; /* among them */
+    int32_t repacked;       /* 1: the plan came from repacking */
+    int32_t terminate;      /* 1: the bin is closed by this step */
+    int32_t proof;          /* PKC_PROOF_* */
+    int32_t cancelled;      /* 1: pkc_planner_cancel ended the search */
+    double utilization;     /* of the bin once all that was planned ahead is packed, 0..1 */
+    int64_t score;  /* mu, contact rewards summed over the forward simulation; 0 after repacking */
+    uint64_t nodes; /* placements tried, and other work of that size */
     uint64_t tree_nodes;        /* of them in the first tree search, the rest in repacking */
     uint64_t hash;              /* pkc_plan_hash of the actions */
     double milliseconds;        /* thread CPU time spent planning */
@@ -359,8 +376,11 @@ typedef struct pkc_plan_info {
 PKC_API pkc_status pkc_plan_info_init(pkc_plan_info *info, size_t size);
 
 /* Plans the next step (Algorithm 1) for what bin and queue hold; changes neither. Always a legal
- * plan: at worst one greedy placement; TERMINATE alone or last when nothing accessible or buffered
- * has a position and repacking found nothing better. `info` may be NULL. */
+ * plan: at worst one greedy placement. TERMINATE stands alone when nothing accessible or buffered
+ * has a position and repacking found nothing better, and last when the step fills the bin. With an
+ * empty conveyor and empty buffers that is TERMINATE too: whoever waits for items should not plan.
+ * No id may be both in the bin and in the queue. `info` may be NULL.
+ */
 PKC_API pkc_status pkc_planner_plan(pkc_planner *planner, const pkc_bin *bin,
                                     const pkc_queue *queue, const pkc_budget *budget,
                                     pkc_plan_info *info);
@@ -377,8 +397,8 @@ PKC_API pkc_status pkc_planner_step(pkc_planner *planner, uint64_t nodes, int32_
 PKC_API pkc_status pkc_planner_result(pkc_planner *planner, pkc_plan_info *info,
                                       pkc_action *actions, size_t capacity, size_t *out_count);
 
-/* From any thread: the plan being made ends at once with the best so far. Without effect when none
- * is being made. */
+/* From any thread: the plan being made ends within some microseconds (on a 128 x 128 bin: some
+ * milliseconds) with the best so far. A plan begun later is not affected. */
 PKC_API pkc_status pkc_planner_cancel(pkc_planner *planner);
 
 /* ---- Exact packer and bounds ----------------------------------------------------------------- */

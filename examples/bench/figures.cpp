@@ -22,9 +22,9 @@ void BufferReplay::replay(const Bin &bin) {
         for (size_t i = 0; i < actions.size(); ++i) {
             const pkc_action &action = actions[i];
             if (action.arm < 0 || action.arm > 1) continue;
-            if (action.op == PKC_PACK) held_[action.arm].erase(action.item);
-            if (action.op != PKC_UNPACK) continue;
-            const bool put_back = i + 1 < actions.size() && actions[i + 1].op == PKC_PACK &&
+            if (action.op == PKC_OP_PACK) held_[action.arm].erase(action.item);
+            if (action.op != PKC_OP_UNPACK) continue;
+            const bool put_back = i + 1 < actions.size() && actions[i + 1].op == PKC_OP_PACK &&
                                   actions[i + 1].item == action.item;
             if (put_back) continue;
             held_[action.arm].insert(action.item);

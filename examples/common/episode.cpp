@@ -55,7 +55,7 @@ BinCounts count_bin(const Bin &bin) {
         counts.packs += step.packs;
         counts.unpacks += step.unpacks;
         counts.skipped += std::count_if(step.actions.begin(), step.actions.end(),
-                                        [](const pkc_action &a) { return a.op == PKC_SKIP; });
+                                        [](const pkc_action &a) { return a.op == PKC_OP_SKIP; });
         if (step.proof >= 0 && step.proof < 4) ++counts.proofs[step.proof];
         counts.largest_buffer = std::max(counts.largest_buffer, step.buffered);
         counts.nodes += step.nodes;

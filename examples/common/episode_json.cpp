@@ -13,11 +13,11 @@ constexpr double kStoredPerMillisecond = 1e4;
 
 Json action_json(const pkc_action &action) {
     switch (action.op) {
-        case PKC_UNPACK:
+        case PKC_OP_UNPACK:
             return Json::array({"unpack", action.item, action.arm});
-        case PKC_PACK:
+        case PKC_OP_PACK:
             return Json::array({"pack", action.item, action.x, action.y, action.rot, action.arm});
-        case PKC_SKIP:
+        case PKC_OP_SKIP:
             return Json::array({"skip", action.item});
         default:
             return Json::array({"terminate"});

@@ -8,6 +8,8 @@ using namespace packcell;
 
 namespace {
 
+static_assert(PKC_MAX_ACTIONS == kMaxActions, "the header promises it");
+
 pkc_planner_options default_options() {
     const PlannerOptions o;
     return {sizeof(pkc_planner_options),

@@ -7,7 +7,7 @@ namespace packcell {
 StepComposer::StepComposer(int max_side, size_t max_items)
     : after_(max_side, max_side, max_items + kMaxKnown) {
     belt_.reserve(2 * kMaxKnown);
-    actions_.reserve(6 * kMaxKnown);
+    actions_.reserve(kMaxActions);
 }
 
 void StepComposer::start(const Bin &bin, const View &view) {

@@ -12,6 +12,9 @@
 
 namespace packcell {
 
+// No step has more: two for each item in hand and in the bin that moves, and those off the belt.
+constexpr size_t kMaxActions = 6 * kMaxKnown;
+
 // Which accessible items without a position are skipped for good (sets only).
 enum class Skip { kNone, kFirst, kAll };
 
