@@ -63,9 +63,10 @@ void ExactRepack::start(const Bin &bin, const View &view, const RepackOptions &o
     truncated_ = movable_.size() == kMaxKnown;
     const int fixed = bare_.occupied();
     const auto in_hand = static_cast<int>(areas_.size());
-    const int may_leave = options.buffer_capacity < 0
-                              ? in_hand
-                              : std::min(in_hand, options.buffer_capacity * view.scenario.robots);
+    int may_leave = std::min(in_hand, options.most_left);
+    if (options.buffer_capacity >= 0) {
+        may_leave = std::min(may_leave, options.buffer_capacity * view.scenario.robots);
+    }
     beat_ = options.full ? 0 : occupied - fixed;
     targets_.start(view, areas_, bin.cells() - fixed, may_leave, options.full);
     round_ = -1;

@@ -16,8 +16,9 @@ namespace packcell {
 
 struct RepackOptions {
     bool rotation = false;
-    bool full = false;        // requireFullPack: every known item, or a bin that is 100 % full
-    int buffer_capacity = 0;  // items that an arm's buffer holds; negative: unlimited
+    bool full = false;          // requireFullPack: every known item, or a bin that is 100 % full
+    int buffer_capacity = 0;    // items that an arm's buffer holds; negative: unlimited
+    int most_left = kMaxKnown;  // items that may be out of the bin and off the belt in the end
 };
 
 class ExactRepack {

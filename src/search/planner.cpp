@@ -160,12 +160,15 @@ void Planner::run_tree() {
 void Planner::begin_repack() {
     const int occupied = tree_.best().length > 0 ? tree_.best().occupied : bin_.occupied();
     const bool full = options_.repack == Repack::kFull;
+    // What is left out must be within the limits of the next plan.
+    const int most_left = std::max(0, options_.max_known - view_.scenario.recognized);
     if (trial_ != nullptr) {
         TreeOptions tree = tree_options();
         tree.require_full = full;
-        trial_->start(bin_, view_, tree, options_.buffer_capacity, occupied);
+        trial_->start(bin_, view_, tree, options_.buffer_capacity, most_left, occupied);
     } else {
-        exact_->start(bin_, view_, {options_.rotation, full, options_.buffer_capacity}, occupied);
+        exact_->start(bin_, view_, {options_.rotation, full, options_.buffer_capacity, most_left},
+                      occupied);
     }
     repack_begun_ = true;
     stage_ = Stage::kRepack;

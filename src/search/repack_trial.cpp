@@ -15,11 +15,12 @@ RepackTrial::RepackTrial(int max_side, size_t max_items, uint64_t memory)
 }
 
 void RepackTrial::start(const Bin &bin, const View &view, const TreeOptions &tree,
-                        int buffer_capacity, int occupied) {
+                        int buffer_capacity, int most_left, int occupied) {
     bin_ = &bin;
     view_ = &view;
     options_ = tree;
     buffer_capacity_ = buffer_capacity;
+    most_left_ = most_left;
     best_.occupied = occupied;
     best_.clear();
     movable_.clear();
@@ -93,6 +94,10 @@ void RepackTrial::keep() {
         found_.packed.push_back({trial_view_[tuple.known].item, tuple.x, tuple.y, tuple.rot});
         found_.known.push_back(tuple.known < subset_.size() ? -1 : tuple.known - subset_.size());
     }
+    int left = subset_.size();
+    for (const Known &k : view_->known) left += k.buffered() ? 1 : 0;
+    for (const int known : found_.known) left -= known < 0 || (*view_)[known].buffered() ? 1 : 0;
+    if (left > most_left_) return;
     if (!moves_.arrange(*bin_, *view_, found_, buffer_capacity_)) return;
     std::swap(best_, found_);
     done_ = options_.require_full;

@@ -17,10 +17,10 @@ public:
 
     // Looks for a packing of more than `occupied` cells; with tree.require_full for one without a
     // "no position". `tree` says how each tree search is done; an arm's buffer holds at most
-    // `buffer_capacity` items, any number if that is negative. `bin` and `view` must stay as they
-    // are.
+    // `buffer_capacity` items, any number if that is negative, and all of them `most_left` in the
+    // end. `bin` and `view` must stay as they are.
     void start(const Bin &bin, const View &view, const TreeOptions &tree, int buffer_capacity,
-               int occupied);
+               int most_left, int occupied);
 
     // True when all subsets were tried or full-pack mode has succeeded, false when the budget makes
     // it return. The paper's outer loop (line 2) would try the same subsets again.
@@ -37,6 +37,7 @@ private:
     const View *view_ = nullptr;
     TreeOptions options_;
     int buffer_capacity_ = 0;
+    int most_left_ = 0;
     std::vector<int> movable_;  // indices in the bin's items, last packed first
     Combination subset_;        // U, of movable_
     bool in_tree_ = false;
