@@ -103,11 +103,10 @@ typedef struct pkc_queued {
     int32_t recognized;
 } pkc_queued;
 
-#define PKC_OP_UNPACK 1 /* item, arm: from the bin into the arm's buffer */
-#define PKC_OP_PACK                                                                               \
-    2                 /* item, x, y, rot, arm: from the conveyor or the arm's buffer into the bin \
-                       */
-#define PKC_OP_SKIP 3 /* item: taken off the conveyor for good (sets only) */
+/* What an action does, and the fields that it uses. */
+#define PKC_OP_UNPACK 1    /* item, arm: from the bin into the arm's buffer */
+#define PKC_OP_PACK 2      /* item, x, y, rot, arm: off the conveyor or the buffer into the bin */
+#define PKC_OP_SKIP 3      /* item: taken off the conveyor for good (sets only) */
 #define PKC_OP_TERMINATE 4 /* the bin is closed */
 
 #define PKC_MAX_ACTIONS 768 /* no step has more: an array of so many always suffices */
@@ -267,8 +266,8 @@ typedef struct pkc_grid {
     double cell;         /* side of a cell, > 0 */
     double clearance;    /* kept free between neighbouring items, >= 0 */
 } pkc_grid;
-PKC_API pkc_status pkc_grid_init(pkc_grid *grid,
-                                 size_t size); /* the paper's: 320 x 260, 10, 30, 0 */
+/* the paper's: 320 x 260, 10, 30, 0. */
+PKC_API pkc_status pkc_grid_init(pkc_grid *grid, size_t size);
 PKC_API pkc_status pkc_grid_bin(const pkc_grid *grid, int32_t *out_w, int32_t *out_h);
 PKC_API pkc_status pkc_grid_item(const pkc_grid *grid, double w, double h, int32_t *out_w,
                                  int32_t *out_h);
@@ -287,8 +286,8 @@ typedef struct pkc_policy pkc_policy;
  * "shelf-next-fit", "maxrects-cp", "maxrects-bssf". */
 PKC_API pkc_status pkc_policy_create(const char *name, pkc_policy **out_policy);
 PKC_API void pkc_policy_free(pkc_policy *policy);
-PKC_API const char *pkc_policy_name(
-    const pkc_policy *policy); /* "" for NULL; lives as long as the policy */
+/* "" for NULL; lives as long as the policy. */
+PKC_API const char *pkc_policy_name(const pkc_policy *policy);
 
 /* Names that pkc_policy_create knows, by index from 0; NULL past the last. Static storage. */
 PKC_API const char *pkc_policy_builtin(size_t index);
@@ -345,17 +344,16 @@ typedef struct pkc_budget {
     uint64_t nodes;      /* placements tried; 0: no limit */
     double milliseconds; /* wall time; 0: no limit; finite, 0..1e12 */
 } pkc_budget;
-PKC_API pkc_status pkc_budget_init(pkc_budget *budget,
-                                   size_t size); /* 200000 nodes, no time limit */
+/* 200000 nodes, no time limit. */
+PKC_API pkc_status pkc_budget_init(pkc_budget *budget, size_t size);
 
+/* What a plan is known to be. IMPOSSIBLE is of full mode: the known items cannot all be placed, nor
+ * the bin filled. BUDGET: the budget ended first, or what is looked at (the buffers' room, 8 belt
+ * items, 128 packed ones) was too little to decide. */
 #define PKC_PROOF_NONE 0    /* nothing was to be proved: no repacking was needed or allowed */
 #define PKC_PROOF_OPTIMAL 1 /* no plan over the known items does better in this mode */
-#define PKC_PROOF_IMPOSSIBLE \
-    2 /* full mode: the known items cannot all be placed, nor the bin filled */
-#define PKC_PROOF_BUDGET                                                 \
-    3 /* not decided: the budget ended first, or the limits of what is   \
-         looked at (buffers, 8 belt items, 128 packed ones) stood in the \
-         way */
+#define PKC_PROOF_IMPOSSIBLE 2
+#define PKC_PROOF_BUDGET 3
 
 typedef struct pkc_plan_info {
     uint32_t struct_size;
@@ -379,8 +377,7 @@ PKC_API pkc_status pkc_plan_info_init(pkc_plan_info *info, size_t size);
  * plan: at worst one greedy placement. TERMINATE stands alone when nothing accessible or buffered
  * has a position and repacking found nothing better, and last when the step fills the bin. With an
  * empty conveyor and empty buffers that is TERMINATE too: whoever waits for items should not plan.
- * No id may be both in the bin and in the queue. `info` may be NULL.
- */
+ * No id may be both in the bin and in the queue. `info` may be NULL. */
 PKC_API pkc_status pkc_planner_plan(pkc_planner *planner, const pkc_bin *bin,
                                     const pkc_queue *queue, const pkc_budget *budget,
                                     pkc_plan_info *info);

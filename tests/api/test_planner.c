@@ -586,12 +586,14 @@ static void two_threads_never_share_a_handle(void **state) {
     pkc_generator_free(a.generator);
 }
 
-static void failing_calls_leave_no_handle_busy(void **state) {
+static void failing_calls_leave_no_handle_busy_and_no_plan(void **state) {
     pkc_planner *planner = make_small(PKC_REPACK_OFF);
     pkc_bin *bin = check_bin(4, 4);
     pkc_queue *queue = check_queue("S-R1A1");
     const pkc_budget budget = check_budget(10);
     pkc_action action;
+    pkc_action actions[8];
+    size_t count = 0;
     pkc_plan_info info = check_plan_info();
     (void)state;
     memset(&action, 0, sizeof action);
@@ -602,6 +604,7 @@ static void failing_calls_leave_no_handle_busy(void **state) {
     CHECK_FAILS(PKC_E_STRUCT, "info.struct_size 1",
                 pkc_planner_plan(planner, bin, queue, &budget, &info));
     info.struct_size = sizeof info;
+    CHECK_FAILS(PKC_E_STATE, "no plan", pkc_planner_result(planner, &info, actions, 8, &count));
     CHECK_OK(pkc_planner_plan(planner, bin, queue, &budget, &info));
     CHECK_OK(pkc_step_apply(bin, queue, NULL, 0));
     pkc_planner_free(planner);
@@ -626,7 +629,7 @@ int main(void) {
         cmocka_unit_test(a_handle_in_use_is_busy_and_cancel_ends_the_plan),
         cmocka_unit_test(cancel_ends_slices_too),
         cmocka_unit_test(two_threads_never_share_a_handle),
-        cmocka_unit_test(failing_calls_leave_no_handle_busy),
+        cmocka_unit_test(failing_calls_leave_no_handle_busy_and_no_plan),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -176,6 +176,7 @@ inline std::string carry_out(State &s, const Plan &plan, const pkc_planner_optio
     std::copy(held, held + 2, most_held);
     std::vector<int32_t> unpacked;
     int packs = 0;
+    int belt_packs = 0;
     bool terminate = false;
     if (plan.actions.empty()) return "the plan is empty";
     for (size_t i = 0; i < plan.actions.size(); ++i) {
@@ -196,7 +197,10 @@ inline std::string carry_out(State &s, const Plan &plan, const pkc_planner_optio
             if (a.rot != 0 && !rotation) return "turns with rotation off";
             const auto same = [&](const pkc_queued &q) { return q.item.id == a.item; };
             const bool from_belt = std::any_of(belt.begin(), belt.end(), same);
-            if (!from_belt) --held[a.arm];
+            if (from_belt)
+                ++belt_packs;
+            else
+                --held[a.arm];
         } else if (a.op == PKC_OP_TERMINATE) {
             terminate = true;
         } else if (a.op == PKC_OP_SKIP) {
@@ -227,10 +231,11 @@ inline std::string carry_out(State &s, const Plan &plan, const pkc_planner_optio
             if (q.item.id == a.item && has_position(s, q.item, rotation)) return "skips what fits";
         }
     }
-    const bool moved = packs > 0 || after.occupied_cells != before;
+    // Else the same could be planned again and again.
+    const bool advanced = belt_packs > 0 || after.occupied_cells > before;
     const bool skipped = std::any_of(plan.actions.begin(), plan.actions.end(),
                                      [](const pkc_action &a) { return a.op == PKC_OP_SKIP; });
-    if (!moved && !terminate && !skipped) return "the plan does nothing";
+    if (!advanced && !terminate && !skipped) return "the plan gets nowhere";
     if (plan.info.utilization < static_cast<double>(before) / (after.w * after.h) - 1e-12 &&
         plan.info.repacked == 0)
         return "utilization falls though nothing is repacked";
