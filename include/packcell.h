@@ -266,7 +266,7 @@ typedef struct pkc_grid {
     double cell;         /* side of a cell, > 0 */
     double clearance;    /* kept free between neighbouring items, >= 0 */
 } pkc_grid;
-/* the paper's: 320 x 260, 10, 30, 0. */
+/* The paper's: 320 x 260, 10, 30, 0. */
 PKC_API pkc_status pkc_grid_init(pkc_grid *grid, size_t size);
 PKC_API pkc_status pkc_grid_bin(const pkc_grid *grid, int32_t *out_w, int32_t *out_h);
 PKC_API pkc_status pkc_grid_item(const pkc_grid *grid, double w, double h, int32_t *out_w,
@@ -315,7 +315,8 @@ typedef struct pkc_planner pkc_planner;
 typedef struct pkc_planner_options {
     uint32_t struct_size;
     int32_t method;   /* PKC_METHOD_EXACT */
-    int32_t rotation; /* 1 (default): items may be turned; 0: never */
+    int32_t rotation; /* 1 (default): items may be turned; 0: never, and packed ones that lie turned
+                         stay where they are */
     int32_t repack;   /* PKC_REPACK_OFF */
     int32_t select;   /* PKC_SELECT_AUTO, PKC_SELECT_ALL, or candidates kept a node, 1..128 */
     int32_t buffer_capacity; /* items an arm's buffer holds at any moment of a step, 0..4096; an

@@ -218,7 +218,7 @@ grep -q '^##########aaaaaaaaa$' "$work/summary" || fail 'a wide bin on a narrow 
 if "$pack" --in "$work/sets.jsonl" --out "$work/a.jsonl" 2>&1 >/dev/null | grep -q .; then
     fail 'progress in a pipe'
 fi
-if command -v script >/dev/null; then
+if script -qec true /dev/null >/dev/null 2>&1; then
     COLUMNS=20 TERM=xterm script -qec \
         "'$pack' --in '$work/stream.jsonl' --out '$work/a.jsonl'" /dev/null </dev/null >"$work/typed"
     tr '\r' '\n' <"$work/typed" | sed -E 's/\x1b\[K//g' >"$work/lines"

@@ -458,6 +458,19 @@ void row_helpers_reach_all_128_bits(void **) {
 }
 
 }  // namespace
+void items_that_must_not_turn_stay_where_they_lie_turned(void **) {
+    const Item free{0, 2, 3, 0};
+    const Item stiff{1, 2, 3, kNoRotate};
+    const Item square{2, 3, 3, 0};
+    const Item glued{3, 2, 3, kPinned};
+    assert_true(may_move({free, 0, 0, 1}, true));
+    assert_false(may_move({free, 0, 0, 1}, false));
+    assert_true(may_move({free, 0, 0, 0}, false));
+    assert_false(may_move({stiff, 0, 0, 1}, true));
+    assert_true(may_move({square, 0, 0, 1}, false));
+    assert_false(may_move({glued, 0, 0, 0}, true));
+}
+
 }  // namespace packcell
 
 int main() {
@@ -478,6 +491,7 @@ int main() {
         cmocka_unit_test(fixed_cells_count_as_occupied_and_survive_clear),
         cmocka_unit_test(find_gives_the_index_of_an_item_or_minus_one),
         cmocka_unit_test(row_helpers_reach_all_128_bits),
+        cmocka_unit_test(items_that_must_not_turn_stay_where_they_lie_turned),
     };
     return cmocka_run_group_tests_name("bin", tests, nullptr, nullptr);
 }
