@@ -28,7 +28,7 @@ Size grid_bin(const Grid &grid);
 // Cells of an item: ceil((side + clearance) / cell). Throws where that is not 1..128.
 Size grid_item(const Grid &grid, double w, double h);
 
-// Centre of a rectangle of cells, from the top-left inner corner of the bin.
-Millimetres grid_centre(const Grid &grid, const Rect &cells);
+// Centre of a rectangle `r` of cells, from the top-left inner corner of the bin.
+Millimetres grid_centre(const Grid &grid, const Rect &r);
 
 }  // namespace packcell

@@ -49,6 +49,7 @@ int32_t read_count(ByteReader &in, const char *what) {
 // Cells that no item covers but that are taken.
 std::vector<Row> fixed_rows(const Bin &bin) {
     std::vector<Row> rows;
+    rows.reserve(static_cast<size_t>(bin.h()));
     for (int y = 0; y < bin.h(); ++y) rows.push_back(bin.row(y));
     for (const Placement &p : bin.items()) {
         const Rect r = p.rect();

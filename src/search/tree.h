@@ -76,7 +76,7 @@ private:
     uint64_t state_key(KnownSet placed) const;
     void pop();
     void judge(bool complete, KnownSet placed);
-    int64_t score_of(KnownSet placed);
+    int64_t score_of(KnownSet carried_out);
 
     TreeOptions options_;
     const View *view_ = nullptr;
