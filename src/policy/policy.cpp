@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "base/status.h"
 #include "policy/bottom_left.h"
 #include "policy/contact.h"
 #include "policy/maxrects.h"
@@ -32,6 +33,16 @@ constexpr Builtin kBuiltins[] = {
 };
 
 }  // namespace
+
+void Policy::evaluate(const Bin &, Size, Evaluation &) const {
+    fail(Status::kUnsupported, "policy '%s' gives positions alone, no probabilities", name());
+}
+
+float Policy::value(const Bin &bin) const { return static_cast<float>(bin.occupied()); }
+
+void Policy::check_bin(int, int) const {}
+
+std::unique_ptr<const Policy> Policy::session(const SessionOptions &) const { return nullptr; }
 
 std::shared_ptr<const Policy> make_builtin_policy(const char *name) {
     for (const Builtin &builtin : kBuiltins) {

@@ -1,11 +1,26 @@
-// The low level behind one interface: where an item goes (paper, eq. (5)).
+// The low level behind one interface: where an item goes (paper, eq. (5)), and for learned policies
+// what a bin is worth (the critic, Sec. IV-B).
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "bin/bin.h"
 
 namespace packcell {
+
+// What the actor and the critic say about one item: W * H + 1 numbers, the last one for "no
+// position". Infeasible positions have logit -1e8 or less and probability 0.
+struct Evaluation {
+    std::vector<float> logits;
+    std::vector<float> probabilities;
+    float value = 0;
+};
+
+struct SessionOptions {
+    bool rotation = true;  // whether items may be turned later on: bins are worth more then
+    int max_side = kMaxSide;
+};
 
 class Policy {
 public:
@@ -15,14 +30,30 @@ public:
     virtual ~Policy() = default;
 
     // The position x + y * W for a rectangle of this size (the item as it is turned), or W * H, "no
-    // position". It must be a feasible one whenever there is one, must not use the heap, and must
-    // depend on the bin and the size alone. Safe to call from several threads.
+    // position". It must be a feasible one whenever there is one and must depend on the bin and the
+    // size alone. Safe to call from several threads, except on a session.
     virtual int select(const Bin &bin, Size size) const = 0;
+
+    // Throws kUnsupported for a policy that gives positions alone.
+    virtual void evaluate(const Bin &bin, Size size, Evaluation &out) const;
+
+    // Whether value() tells bins apart.
+    virtual bool has_value() const { return false; }
+
+    // How many cells will be taken when a bin that is left like this closes, as expected.
+    virtual float value(const Bin &bin) const;
+
+    // Throws unless the policy serves bins of these sides.
+    virtual void check_bin(int w, int h) const;
 
     // Whether the position depends on which cells are taken alone, not on what lies there.
     virtual bool by_occupancy() const { return true; }
 
     virtual const char *name() const = 0;
+
+    // The same policy for one thread, with memory of its own: after this its calls use no heap.
+    // Null where the policy needs none and may be used as it is.
+    virtual std::unique_ptr<const Policy> session(const SessionOptions &options) const;
 };
 
 // By name, or null; builtin_policy_name(i) lists the names and gives null past the last.
