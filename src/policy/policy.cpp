@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "policy/bottom_left.h"
 #include "policy/contact.h"
+#include "policy/default_policy.h"
 #include "policy/maxrects.h"
 #include "policy/shelf_next_fit.h"
 #include "policy/skyline.h"
@@ -24,6 +25,7 @@ std::shared_ptr<const Policy> make() {
 }
 
 constexpr Builtin kBuiltins[] = {
+    {"default", make_default_policy},
     {"contact", make<ContactPolicy>},
     {"bottom-left", make<BottomLeftPolicy>},
     {"skyline", make<SkylinePolicy>},
@@ -38,7 +40,7 @@ void Policy::evaluate(const Bin &, Size, Evaluation &) const {
     fail(Status::kUnsupported, "policy '%s' gives positions alone, no probabilities", name());
 }
 
-float Policy::value(const Bin &bin) const { return static_cast<float>(bin.occupied()); }
+float Policy::value(const Bin &bin, Effort) const { return static_cast<float>(bin.occupied()); }
 
 void Policy::check_bin(int, int) const {}
 

@@ -17,6 +17,10 @@ struct Evaluation {
     float value = 0;
 };
 
+// What an answer may cost: kLow where a search asks thousands of times and ranks what comes of it,
+// kHigh where the answer is the whole decision of a step.
+enum class Effort { kLow, kUsual, kHigh };
+
 struct SessionOptions {
     bool rotation = true;  // whether items may be turned later on: bins are worth more then
     int max_side = kMaxSide;
@@ -34,14 +38,17 @@ public:
     // size alone. Safe to call from several threads, except on a session.
     virtual int select(const Bin &bin, Size size) const = 0;
 
+    // The same with less or more effort, for policies that can.
+    virtual int select(const Bin &bin, Size size, Effort) const { return select(bin, size); }
+
     // Throws kUnsupported for a policy that gives positions alone.
     virtual void evaluate(const Bin &bin, Size size, Evaluation &out) const;
 
-    // Whether value() tells bins apart.
-    virtual bool has_value() const { return false; }
+    // Whether value() tells such bins apart.
+    virtual bool has_value(const Bin &) const { return false; }
 
     // How many cells will be taken when a bin that is left like this closes, as expected.
-    virtual float value(const Bin &bin) const;
+    virtual float value(const Bin &bin, Effort effort = Effort::kUsual) const;
 
     // Throws unless the policy serves bins of these sides.
     virtual void check_bin(int w, int h) const;

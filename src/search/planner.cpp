@@ -61,6 +61,7 @@ void check_options(const PlannerOptions &o) {
 Planner::Planner(const PlannerOptions &options, std::shared_ptr<const Policy> policy)
     : options_((check_options(options), options)),
       policy_(std::move(policy)),
+      session_(policy_->session({options.rotation, options.max_side})),
       bin_(options.max_side, options.max_side, static_cast<size_t>(options.max_items)),
       tree_(options.max_side, static_cast<size_t>(options.max_items), options.max_known,
             options.memory / 2),
@@ -81,6 +82,7 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
     const auto seen = std::min(queue.belt_size(), static_cast<size_t>(queue.scenario().recognized));
     const auto known = seen + queue.buffer().size();
     stage_ = Stage::kIdle;
+    policy_->check_bin(bin.w(), bin.h());
     if (bin.w() > options_.max_side || bin.h() > options_.max_side) {
         fail(Status::kLimit, "bin %dx%d: the planner's max_side is %d", bin.w(), bin.h(),
              options_.max_side);
@@ -111,9 +113,10 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
 
 TreeOptions Planner::tree_options() const {
     TreeOptions tree;
-    tree.policy = policy_.get();
+    tree.policy = &policy();
+    tree.critic = policy().has_value(bin_);
     tree.rotation = options_.rotation;
-    tree.merge = options_.method == Method::kExact && policy_->by_occupancy();
+    tree.merge = options_.method == Method::kExact && policy().by_occupancy();
     tree.select = pruning();
     return tree;
 }
@@ -214,7 +217,7 @@ void Planner::compose() {
         plan_.occupied = outcome.occupied;
         plan_.score = outcome.score;
     } else {
-        step_.add_greedy(*policy_, options_.rotation);
+        step_.add_greedy(policy(), options_.rotation);
         plan_.occupied = step_.after().occupied();
     }
     // Without repacking an item that has no position will never have one.

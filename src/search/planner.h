@@ -84,12 +84,14 @@ private:
     void begin_repack();
     void run_repack();
     int pruning() const;
+    const Policy &policy() const { return session_ != nullptr ? *session_ : *policy_; }
     TreeOptions tree_options() const;
     const Repacking *repacking() const;
     void compose();
 
     PlannerOptions options_;
     std::shared_ptr<const Policy> policy_;
+    std::unique_ptr<const Policy> session_;  // policy_ with memory of its own, where it needs some
     std::atomic<bool> cancel_{false};
     Stage stage_ = Stage::kIdle;
     Budget budget_;

@@ -40,6 +40,7 @@ void TreeSearch::start(const Bin &root, const View &view, const TreeOptions &opt
     best_.complete = false;
     best_.occupied = root.occupied();
     best_.score = 0;
+    best_.worth = 0;
     spent_ = 0;
     solved_ = false;
     running_ = false;
@@ -106,8 +107,15 @@ int TreeSearch::position_of(Size size) {
     for (const SizedPosition &s : sizes_) {
         if (s.size.w == size.w && s.size.h == size.h) return s.position;
     }
-    sizes_.push_back({size, options_.policy->select(bin_, size)});
+    sizes_.push_back({size, options_.policy->select(bin_, size, effort())});
     return sizes_.back().position;
+}
+
+// The last item's position is the policy's own; above, leaves are ranked by what came of it.
+Effort TreeSearch::effort() const {
+    if (view_->count() == 1) return Effort::kHigh;
+    const bool last = static_cast<int>(chi_length_) + 1 >= view_->count();
+    return last ? Effort::kUsual : Effort::kLow;
 }
 
 // Whether an equal item at the same place in the order of access stands before this one.
@@ -194,28 +202,42 @@ void TreeSearch::pop() {
 }
 
 // SequenceSorting and the forward simulation (Sec. IV-C2): keeps the sequence if it ranks higher
-// by score, utilisation, and small depth of what is packed first.
+// by score, utilisation, and small depth of what is packed first; with a critic before all by what
+// the bin left behind is worth.
 void TreeSearch::judge(bool complete, KnownSet placed) {
     const KnownSet carried_out = view_->reachable(placed);
     if ((carried_out & accessible_) == 0) return;
+    const bool whole = complete && carried_out == placed;
     const int64_t score = score_of(carried_out);
     const int occupied = sim_.occupied() + view_->area(carried_out);
+    const float worth = worth_of(whole, occupied);
     const auto length = static_cast<int>(chi_length_);
-    if (best_.length > 0) {
-        if (score < best_.score) return;
-        if (score == best_.score && occupied < best_.occupied) return;
-    }
+    if (best_.length > 0 && ranks_below_best(worth, score, occupied)) return;
     const Picks picks = choose_picks(*view_, chi_.data(), length);
-    if (best_.length > 0 && score == best_.score && occupied == best_.occupied &&
-        picks.depth_sum >= best_.depth_sum) {
+    if (best_.length > 0 && worth == best_.worth && score == best_.score &&
+        occupied == best_.occupied && picks.depth_sum >= best_.depth_sum) {
         return;
     }
+    best_.worth = worth;
     best_.score = score;
     best_.occupied = occupied;
     best_.depth_sum = picks.depth_sum;
-    best_.complete = complete && carried_out == placed;
+    best_.complete = whole;
     best_.length = length;
     std::copy_n(chi_.begin(), length, best_.sequence.begin());
+}
+
+bool TreeSearch::ranks_below_best(float worth, int64_t score, int occupied) const {
+    if (worth != best_.worth) return worth < best_.worth;
+    if (score != best_.score) return score < best_.score;
+    return occupied < best_.occupied;
+}
+
+// Once an item that is seen has no position the bin is about to close.
+float TreeSearch::worth_of(bool complete, int occupied) const {
+    if (!options_.critic) return 0;
+    if (!complete) return static_cast<float>(occupied);
+    return options_.policy->value(bin_, view_->count() == 1 ? Effort::kHigh : Effort::kUsual);
 }
 
 // Contact rewards summed over the items that are carried out. The sum does not depend on their

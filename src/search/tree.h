@@ -16,6 +16,7 @@ namespace packcell {
 
 struct TreeOptions {
     const Policy *policy = nullptr;
+    bool critic = false;  // the policy's value of what is left behind ranks sequences
     bool rotation = false;
     bool require_full = false;
     bool merge = false;  // search equal states once (method exact); the paper does not say so
@@ -24,6 +25,7 @@ struct TreeOptions {
 
 // What the forward simulation makes of one sequence. `length` 0: there is none.
 struct Outcome {
+    float worth = 0;        // cells expected to be taken in the end; 0 without a critic
     int64_t score = 0;      // mu
     int occupied = 0;       // util: cells taken at the end of the simulation
     int depth_sum = 0;      // d(v') summed over the items of the action
@@ -70,12 +72,15 @@ private:
     void expand(KnownSet placed);
     bool candidates_of(Node &node, KnownSet placed);
     int position_of(Size size);
+    Effort effort() const;
     bool is_twin(int known, KnownSet rest) const;
     void sort_and_select(Node &node, int remaining);
     bool visit(Node &node, const Candidate &candidate);
     uint64_t state_key(KnownSet placed) const;
     void pop();
     void judge(bool complete, KnownSet placed);
+    bool ranks_below_best(float worth, int64_t score, int occupied) const;
+    float worth_of(bool complete, int occupied) const;
     int64_t score_of(KnownSet carried_out);
 
     TreeOptions options_;
