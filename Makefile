@@ -9,6 +9,8 @@ PREFIX ?= /usr/local
 SEED ?= 1
 # Seconds that one test may take.
 TIMEOUT ?= 600
+# Seconds that each fuzz target runs.
+FUZZ_SECONDS ?= 60
 
 CONFIGURE = cmake -S . -G Ninja >/dev/null
 # Even a quiet ninja says that it has nothing to do, and CMake that it has looked again.
@@ -17,7 +19,7 @@ CTEST = ctest --test-dir $(1) --output-on-failure --no-tests=error --timeout $(T
 
 # The verbs share build folders.
 .NOTPARALLEL:
-.PHONY: build run test check-all bench asan tsan valgrind tidy format install clean help
+.PHONY: build run test check-all bench train fuzz asan tsan valgrind tidy format install clean help
 
 build: build/build.ninja
 	@$(call COMPILE,build)
@@ -86,6 +88,23 @@ valgrind:
 	@$(call COMPILE,build/valgrind)
 	@$(call CTEST,build/valgrind) --label-regex '^(api|unit)$$'
 
+# About a quarter of an hour on two cores; a second call goes on where the first one was stopped.
+train: build
+	@mkdir -p out
+	@build/bin/packcell-train --seed $(SEED) --workers 2 --checkpoint out/a3c-$(SEED).pkt \
+	    --out out/a3c-$(SEED).pkw --csv out/a3c-$(SEED).csv --svg out/a3c-$(SEED).svg
+
+# What libFuzzer finds worth keeping stays in build/fuzz/corpus; an input that breaks a rule is left
+# in build/fuzz, and the verb fails.
+fuzz:
+	@.ci/setup build test fuzz
+	@CC=clang CXX=clang++ $(INSTRUMENTED) -DPACKCELL_PROGRAMS=OFF -DPACKCELL_SANITIZE=address \
+	    -DPACKCELL_LIBFUZZER=ON -DCMAKE_CXX_FLAGS=-fsanitize=fuzzer-no-link
+	@$(call COMPILE,build/fuzz --target fuzz_blob)
+	@mkdir -p build/fuzz/corpus/blob
+	@cp tests/golden/*.pkw build/fuzz/corpus/blob
+	@cd build/fuzz && tests/fuzz_blob -max_total_time=$(FUZZ_SECONDS) -print_final_stats=1 corpus/blob
+
 # clang-tidy counts the warnings that it does not show on stderr, where only its failures matter.
 tidy: build
 	@.ci/setup tidy
@@ -114,6 +133,8 @@ help:
 	@echo "make test       run every test"
 	@echo "make check-all  tests with full counts, asan, tsan, valgrind, tidy"
 	@echo "make bench      our figures beside the paper's, short counts"
+	@echo "make train      train the paper's network; policy and curves in out/ (SEED=$(SEED))"
+	@echo "make fuzz       libFuzzer on the weight blob reader, FUZZ_SECONDS=$(FUZZ_SECONDS) of it"
 	@echo "make asan       tests with the address and undefined-behaviour sanitizers"
 	@echo "make tsan       tests with the thread sanitizer"
 	@echo "make valgrind   unit and api tests under valgrind"

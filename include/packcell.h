@@ -20,8 +20,9 @@
  *    and returns PKC_E_CAPACITY. NULL with capacity 0 asks for the number.
  *  - Option and info structs begin with struct_size; fill them by their `_init` function first, so
  *    that a program built today runs against a later library.
- *  - Nothing is printed, no file is touched, no thread is started; the text of pkc_last_error(),
- *    one a thread, is the only state outside the handles.
+ *  - Nothing is printed, no file is touched but the one that a `_file` call names, no thread is
+ *    started but by pkc_trainer_run, which ends with them; the text of pkc_last_error(), one a
+ *    thread, is the only state outside the handles.
  *  - A handle must not be freed while a call uses it.
  *
  * Built by GCC or Clang for 64-bit targets.
@@ -60,7 +61,7 @@ typedef int32_t pkc_status;
 #define PKC_E_LIMIT (-7)        /* more than the limits that the handle was created with */
 #define PKC_E_FORMAT (-8)       /* bytes do not hold what they should */
 #define PKC_E_IO (-9)           /* a named file could not be read or written */
-#define PKC_E_UNSUPPORTED (-10) /* not in this build */
+#define PKC_E_UNSUPPORTED (-10) /* not in this build, or not something this policy does */
 #define PKC_E_INTERNAL (-11)    /* a fault of packcell's own; please report it */
 
 /* Version of the linked library: major * 10000 + minor * 100 + patch. */
@@ -282,7 +283,8 @@ PKC_API pkc_status pkc_grid_centre(const pkc_grid *grid, int32_t x, int32_t y, i
 /* The low level: where an item goes (paper eq. (5)). Immutable; may be shared by threads. */
 typedef struct pkc_policy pkc_policy;
 
-/* By name: "contact" (largest contact reward, the default), "bottom-left", "skyline",
+/* By name: "default" (learned weights for the bins that they serve, see pkc_policy_get_info, and
+ * "contact" for all others), "contact" (largest contact reward), "bottom-left", "skyline",
  * "shelf-next-fit", "maxrects-cp", "maxrects-bssf". */
 PKC_API pkc_status pkc_policy_create(const char *name, pkc_policy **out_policy);
 PKC_API void pkc_policy_free(pkc_policy *policy);
@@ -292,10 +294,173 @@ PKC_API const char *pkc_policy_name(const pkc_policy *policy);
 /* Names that pkc_policy_create knows, by index from 0; NULL past the last. Static storage. */
 PKC_API const char *pkc_policy_builtin(size_t index);
 
+/* What a policy is made of. Heuristics are not learned: they have no weights. */
+#define PKC_ARCH_HEURISTIC 0
+#define PKC_ARCH_ACTOR_CRITIC 1        /* the paper's network (Fig. 3), for one bin size */
+#define PKC_ARCH_FULLY_CONVOLUTIONAL 2 /* its variant for bins of any size */
+#define PKC_ARCH_AFTERSTATE 3          /* tables that give the value of a bin left behind */
+
+#define PKC_MAX_BLOB_BYTES 67108864 /* of a weight blob: 64 MiB */
+
+/* A learned policy from a weight blob (.pkw, docs/blob-format.md), which is copied. PKC_E_FORMAT
+ * names the first offset that is wrong: another kind of file, another version, cut short, bytes
+ * after the end, a checksum that does not agree, or contents that no policy can have. Free with
+ * pkc_policy_free. */
+PKC_API pkc_status pkc_policy_load(const void *bytes, size_t size, pkc_policy **out_policy);
+
+/* The same from a file of up to PKC_MAX_BLOB_BYTES. PKC_E_IO if it cannot be read. */
+PKC_API pkc_status pkc_policy_load_file(const char *path, pkc_policy **out_policy);
+
+/* The policy's weight blob; a policy that was loaded gives the bytes it came from. `out_size` gets
+ * the bytes needed or written. PKC_E_UNSUPPORTED for a heuristic. */
+PKC_API pkc_status pkc_policy_save(const pkc_policy *policy, void *bytes, size_t capacity,
+                                   size_t *out_size);
+
+/* The same into a file, all or nothing: it is written as a new file in the same folder, which then
+ * takes the place of the named one, or of the link by that name. PKC_E_IO if that fails: what was
+ * there before is unchanged. */
+PKC_API pkc_status pkc_policy_save_file(const pkc_policy *policy, const char *path);
+
+/* Where a policy comes from; zeros, and utilization -1, for a heuristic. */
+typedef struct pkc_policy_info {
+    uint32_t struct_size;
+    int32_t architecture; /* PKC_ARCH_* */
+    int32_t bin_w, bin_h; /* the bins it was trained for and serves; 0 x 0: any */
+    uint64_t parameters;  /* numbers learned */
+    uint64_t seed;
+    uint64_t steps;     /* items placed while learning */
+    double reward_fill; /* share of filled cells in the reward, 0..1; the rest is contact */
+    double utilization; /* mean on held-out streams, 0..1; -1: not measured */
+    char learner[32];   /* how it learned: "a3c", "td-afterstate"; "" for a heuristic */
+} pkc_policy_info;
+PKC_API pkc_status pkc_policy_info_init(pkc_policy_info *info, size_t size);
+PKC_API pkc_status pkc_policy_get_info(const pkc_policy *policy, pkc_policy_info *info);
+
 /* The position x + y*W for an item that covers w x h cells as it is turned; W*H is "no position".
- */
+ * PKC_E_ARGUMENT if the policy was trained for bins of another size. */
 PKC_API pkc_status pkc_policy_select(const pkc_policy *policy, const pkc_bin *bin, int32_t w,
                                      int32_t h, int32_t *out_position);
+
+/* What actor and critic say about such an item: W*H + 1 logits and probabilities by position, the
+ * last for "no position", infeasible ones with probability 0, and the value of the bin. Each of
+ * both arrays, and `out_value`, may be NULL; `capacity` is that of each array. PKC_E_UNSUPPORTED if
+ * the policy gives positions alone, as heuristics do. */
+PKC_API pkc_status pkc_policy_evaluate(const pkc_policy *policy, const pkc_bin *bin, int32_t w,
+                                       int32_t h, float *out_logits, float *out_probabilities,
+                                       size_t capacity, size_t *out_count, float *out_value);
+
+/* The same for `count` pairs of a bin and an item, 1..2^20, faster than one by one: for pair i the
+ * bin is bins[i] and the item covers sizes[2*i] x sizes[2*i + 1] cells. All bins have the same
+ * sides; the same bin may stand in many pairs, best next to each other. Each of the outputs may be
+ * NULL: `count` positions as pkc_policy_select gives them, count * (W*H + 1) probabilities, and
+ * `count` values. PKC_E_UNSUPPORTED if one of the last two is asked of a heuristic. */
+PKC_API pkc_status pkc_policy_evaluate_batch(const pkc_policy *policy, const pkc_bin *const *bins,
+                                             const int32_t *sizes, size_t count,
+                                             int32_t *out_positions, float *out_probabilities,
+                                             float *out_values);
+
+/* ---- Training -------------------------------------------------------------------------------- */
+
+#define PKC_LEARNER_A3C 1        /* the paper's actor-critic (Sec. IV-B), for a network */
+#define PKC_LEARNER_AFTERSTATE 2 /* TD(0) of the value of bins left behind, for tables */
+
+#define PKC_ROTATION_OFF 0
+#define PKC_ROTATION_ON 1
+#define PKC_ROTATION_MIXED 2 /* each bin draws whether its items may be turned */
+
+/* A training: the protocol that is played, the learner and its settings. Equal options give equal
+ * trainings on one architecture, also with several workers: they change the shared network in a
+ * fixed order. */
+typedef struct pkc_trainer_options {
+    uint32_t struct_size;
+    int32_t learner;      /* PKC_LEARNER_A3C; PKC_LEARNER_AFTERSTATE takes from what follows the
+                             protocol (bins up to 12 x 12 with (W + 1) * H <= 128, items up to 8),
+                             seed and name alone, and one thread for each setting of rotation */
+    int32_t architecture; /* PKC_ARCH_ACTOR_CRITIC (bins of 3..32 cells a side) or
+                             PKC_ARCH_FULLY_CONVOLUTIONAL */
+    int32_t bin_w, bin_h; /* bins that are packed, 1..128 cells each (10 x 10) */
+    int32_t least_side;   /* items' sides are uniform on least_side..most_side (1..5), */
+    int32_t most_side;    /* at most the bin's shorter side */
+    int32_t items;        /* 0 (default): the first item without a position closes the bin and opens
+                             the next one; else so many items are offered to a bin, 1..1000000, and
+                             those without a position are skipped */
+    int32_t rotation;     /* PKC_ROTATION_MIXED */
+    int32_t workers;      /* threads, 1..64 (3, as in the paper) */
+    int32_t environments; /* bins that a worker packs side by side, 1..1024 (32) */
+    int32_t steps;        /* items it places in each between two updates, 1..1024 (8) */
+    int32_t channels;     /* of each convolution, 1..64 (16) */
+    int32_t features;     /* of the encoded bin, 1..1024 (128) */
+    int32_t hidden;       /* units where bin and item are joined, 1..1024 (128) */
+    int32_t reserved;     /* 0 */
+    uint64_t seed;
+    uint64_t anneal;      /* over so many updates learning rate and entropy weight fall to a tenth;
+                             0 (default): they stay */
+    double gamma;         /* discount of later rewards, 0..1 (0.9) */
+    double learning_rate; /* of Adam, 1e-9..1 (0.0015) */
+    double entropy;       /* weight of the policy's entropy, 0..10 (0.02) */
+    double value_weight;  /* weight of the critic's loss, 0..10 (0.5) */
+    double clip;          /* largest norm of a gradient, 1e-6..1e6 (1) */
+    double reward_fill;   /* share of the bin's utilisation in the reward, 0..1 (0); the rest is the
+                             contact reward, paper eq. (3), over 20 */
+    char name[32];        /* of the policy, 1..31 of a-z, 0-9, '_', '.', '/', '-' ("a3c") */
+} pkc_trainer_options;
+PKC_API pkc_status pkc_trainer_options_init(pkc_trainer_options *options, size_t size);
+
+typedef struct pkc_trainer pkc_trainer;
+
+/* NULL options are the defaults. Free with pkc_trainer_free. */
+PKC_API pkc_status pkc_trainer_create(const pkc_trainer_options *options,
+                                      pkc_trainer **out_trainer);
+PKC_API void pkc_trainer_free(pkc_trainer *trainer);
+
+/* Trains for so many updates, 0..2^48, of the shared network. Starts as many threads as there are
+ * workers, and has joined them when it returns. However the updates are split into calls, the
+ * training is the same. PKC_E_STATE if the gradient is not finite any more. */
+PKC_API pkc_status pkc_trainer_run(pkc_trainer *trainer, uint64_t updates);
+
+/* From any thread: a pkc_trainer_run that is under way returns within some updates, with PKC_OK. */
+PKC_API pkc_status pkc_trainer_cancel(pkc_trainer *trainer);
+
+/* How far it is, and means over the last pkc_trainer_run (0 before the first, and where no bin
+ * closed). */
+typedef struct pkc_trainer_info {
+    uint32_t struct_size;
+    uint32_t reserved;
+    uint64_t updates;   /* since the training began */
+    uint64_t steps;     /* items placed since then */
+    uint64_t bins;      /* bins closed since then */
+    double policy_loss; /* mean of -log pi(a) * A */
+    double value_loss;  /* mean of (R - V)^2 */
+    double entropy;     /* of the policy, in nats */
+    double reward;      /* sum over a bin */
+    double utilization; /* of the bins closed, 0..1, while the policy explores */
+} pkc_trainer_info;
+PKC_API pkc_status pkc_trainer_info_init(pkc_trainer_info *info, size_t size);
+PKC_API pkc_status pkc_trainer_get_info(const pkc_trainer *trainer, pkc_trainer_info *info);
+PKC_API pkc_status pkc_trainer_get_options(const pkc_trainer *trainer,
+                                           pkc_trainer_options *options);
+
+/* What has been learned so far, as a policy of its own: training on does not change it. */
+PKC_API pkc_status pkc_trainer_policy(const pkc_trainer *trainer, pkc_policy **out_policy);
+
+/* Packs `bins` bins, 1..2^32, of a held-out stream by the policy so far, always its most probable
+ * position; the streams of all seeds are apart from those that are trained on. Gives the mean
+ * utilisation, 0..1, and half the width of its 95 % interval (`out_half_width` may be NULL).
+ * `rotation` is PKC_ROTATION_*. The policies of pkc_trainer_policy tell the last mean as theirs. */
+PKC_API pkc_status pkc_trainer_measure(pkc_trainer *trainer, int32_t rotation, uint64_t seed,
+                                       uint64_t bins, double *out_mean, double *out_half_width);
+
+/* The same for any policy: bins, items and rotation are those of `options`. */
+PKC_API pkc_status pkc_policy_measure(const pkc_policy *policy, const pkc_trainer_options *options,
+                                      uint64_t seed, uint64_t bins, double *out_mean,
+                                      double *out_half_width);
+
+/* The training with all that its next update depends on, all or nothing as in pkc_policy_save_file.
+ * A training that was killed and loaded again goes on bit for bit. */
+PKC_API pkc_status pkc_trainer_save_file(const pkc_trainer *trainer, const char *path);
+
+/* PKC_E_IO if it cannot be read, PKC_E_FORMAT with the first offset that is wrong. */
+PKC_API pkc_status pkc_trainer_load_file(const char *path, pkc_trainer **out_trainer);
 
 /* ---- Planner --------------------------------------------------------------------------------- */
 

@@ -16,6 +16,8 @@ int run_selection(const Bench &bench, int argc, const char *const *argv);
 int run_bound(const Bench &bench, int argc, const char *const *argv);
 int run_offline(const Bench &bench, int argc, const char *const *argv);
 int run_large(const Bench &bench, int argc, const char *const *argv);
+int run_compare(const Bench &bench, int argc, const char *const *argv);
+int run_inference(const Bench &bench, int argc, const char *const *argv);
 
 constexpr Bench kBenches[] = {
     {"random", "Table (a): Random streams, six scenarios, without and with rotation", run_random},
@@ -26,6 +28,9 @@ constexpr Bench kBenches[] = {
     {"bound", "the clairvoyant bound where A = 1, and how far below it we stay", run_bound},
     {"offline", "100 % sets of which every item is seen and within reach", run_offline},
     {"large", "100 % sets for bins of 15x15 and 20x20, with full repacking", run_large},
+    {"compare", "every policy against the best online packer there can be, on 4x4 and 5x5",
+     run_compare},
+    {"inference", "evaluations a second of the networks, one by one and 64 at once", run_inference},
 };
 
 }  // namespace packcell_programs

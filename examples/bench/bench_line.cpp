@@ -64,6 +64,8 @@ void BenchLine::budget_ms(double milliseconds) {
                "time a step, 0 for no limit");
 }
 
+void BenchLine::no_planner() { has_planner_ = false; }
+
 std::vector<std::string> BenchLine::split_list(const std::string &flag, const std::string &given) {
     std::vector<std::string> parts(1);
     for (const char c : given) {
@@ -79,11 +81,11 @@ std::vector<std::string> BenchLine::split_list(const std::string &flag, const st
     return parts;
 }
 
-std::optional<int> BenchLine::parse(int argc, const char *const *argv) {
+void BenchLine::add_planner() {
     const std::vector<std::string> policies = policy_names();
     line_.custom(
         "--policy", "NAME", policy_,
-        [&](const std::string &value) {
+        [this, policies](const std::string &value) {
             if (std::find(policies.begin(), policies.end(), value) == policies.end()) {
                 refuse_value("--policy", value, "one of " + join_names(policies));
             }
@@ -95,6 +97,10 @@ std::optional<int> BenchLine::parse(int argc, const char *const *argv) {
                "placements tried a step, 0 for no limit; a time limit\n"
                "stands alone where this is not given")
         ->each([this](const std::string &) { nodes_given_ = true; });
+}
+
+std::optional<int> BenchLine::parse(int argc, const char *const *argv) {
+    if (has_planner_) add_planner();
     line_.whole("--seed", seed_, 0, std::numeric_limits<uint64_t>::max(),
                 "of the generated items, the same for every row");
     line_.whole("--threads", threads_, 1, kMostThreads,
@@ -104,8 +110,10 @@ std::optional<int> BenchLine::parse(int argc, const char *const *argv) {
     line_.footer(
         notes_ +
         "The interval is the normal 95 % interval of the mean over bins; those of a stream\n"
-        "count as independent, which they nearly are. Times are thread CPU time, their\n"
-        "percentiles over steps, closing ones included.\n"
+        "count as independent, which they nearly are.\n" +
+        (has_planner_
+             ? "Times are thread CPU time, their percentiles over steps, closing ones included.\n"
+             : "") +
         "Exit codes: 0 done, 1 failed, 2 bad usage, 130 after Ctrl-C, 143 after SIGTERM. An\n"
         "interrupt finishes the current bins and prints what is done; a second one ends at\n"
         "once.");

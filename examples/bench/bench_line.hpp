@@ -23,11 +23,13 @@ public:
     void scenarios(std::vector<std::string> names);  // the default ones; adds --scenario
     void method();
     void budget_ms(double milliseconds);  // the default; 0 is no limit
+    void no_planner();                    // leaves out --policy and --budget-nodes
 
     // A comma-separated list. `read` throws UsageError for an element that is not allowed.
     template <typename T, typename Read>
-    void list(const std::string &flag, std::vector<T> &values, const std::string &placeholder,
-              const std::string &shown_default, const Read &read, const std::string &help) {
+    CLI::Option *list(const std::string &flag, std::vector<T> &values,
+                      const std::string &placeholder, const std::string &shown_default,
+                      const Read &read, const std::string &help) {
         const auto read_all = [&values, flag, read](const std::string &given) {
             std::vector<T> read_values;
             for (const std::string &part : split_list(flag, given)) {
@@ -35,7 +37,7 @@ public:
             }
             values = std::move(read_values);
         };
-        line_.custom(flag, placeholder, shown_default, read_all, help);
+        return line_.custom(flag, placeholder, shown_default, read_all, help);
     }
 
     // More lines for the end of --help.
@@ -65,6 +67,7 @@ public:
     Json configuration(const pkc_budget &limits) const;
 
 private:
+    void add_planner();
     static std::vector<std::string> split_list(const std::string &flag, const std::string &given);
 
     Bench bench_;
@@ -75,6 +78,7 @@ private:
     std::string method_ = "exact";
     bool has_method_ = false;
     bool has_budget_ms_ = false;
+    bool has_planner_ = true;
     double budget_ms_ = 0;
     bool nodes_given_ = false;
     uint64_t budget_nodes_;

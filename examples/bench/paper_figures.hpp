@@ -59,6 +59,18 @@ struct OneSecond {
 constexpr OneSecond kOneSecond[] = {
     {"S-R1A1", 98.01}, {"S-R5A1", 99.20}, {"D-R2A2O2", 99.03}, {"D-R5A2O2", 99.67}};
 
+// The comparison with other methods: utilisation in %, online, without rotation and repacking.
+struct Compared {
+    const char *bin;
+    const char *method;
+    double utilization;
+};
+constexpr Compared kComparison[] = {
+    {"4x4", "Deep-Pack", 94.87},    {"4x4", "BERM", 97.23},        {"4x4", "the paper's", 98.23},
+    {"5x5", "ShelfNextFit", 75.80}, {"5x5", "Skyline", 85.33},     {"5x5", "Deep-Pack", 91.48},
+    {"5x5", "BERM", 94.30},         {"5x5", "the paper's", 96.58},
+};
+
 // The column of a scenario; nullptr where the paper has none.
 template <typename Columns, size_t Count>
 const Columns *find(const Columns (&table)[Count], const char *scenario) {

@@ -96,6 +96,19 @@ Row &Row::mean(const std::string &group, const std::string &heading, const std::
     return *this;
 }
 
+Row &Row::estimate(const std::string &heading, const std::string &field,
+                   const std::optional<Estimate> &value, int decimals) {
+    const bool known = value && value->half_width_95 == 0;
+    column("", heading,
+           !value  ? "-"
+           : known ? fixed(value->mean, decimals)
+                   : fixed(value->mean, decimals) + plus_minus() +
+                         fixed(value->half_width_95, decimals));
+    json_[field] = value ? Json{{"mean", value->mean}, {"half_width_95", value->half_width_95}}
+                         : Json(nullptr);
+    return *this;
+}
+
 Row &Row::number(const std::string &group, const std::string &heading, const std::string &field,
                  const std::optional<double> &value, int decimals) {
     column(group, heading, value ? fixed(*value, decimals) : "-");
@@ -148,10 +161,11 @@ Row &Row::hidden(const std::string &field, const Json &value) {
     return *this;
 }
 
-Report::Report(const BenchLine &line, Json configuration, int64_t wanted)
+Report::Report(const BenchLine &line, Json configuration, int64_t wanted, const std::string &unit)
     : line_(line),
       configuration_(std::move(configuration)),
       wanted_(wanted),
+      unit_(unit),
       interrupt_(interrupt_signal()) {}
 
 Section &Report::section(const std::string &title) {
@@ -186,8 +200,8 @@ std::string Report::text() const {
     }
     if (interrupt_ != 0) {
         text += "\n" + wrap_text("Interrupted: this is not all. " + std::to_string(done_) + " of " +
-                                     std::to_string(wanted_) +
-                                     " bins are done; rows without any are left out.",
+                                     std::to_string(wanted_) + " " + unit_ +
+                                     " are done; rows without any are left out.",
                                  prose);
     }
     return text;
@@ -198,8 +212,8 @@ Json Report::json() const {
     json["bench"] = line_.bench().name;
     json["version"] = version_text("packcell");
     json["complete"] = interrupt_ == 0;
-    json["bins"] = done_;
-    json["wanted_bins"] = wanted_;
+    json[unit_] = done_;
+    json["wanted_" + unit_] = wanted_;
     json["configuration"] = configuration_;
     json["sections"] = Json::array();
     for (const Section &section : sections_) {

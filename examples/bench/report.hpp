@@ -17,6 +17,12 @@ namespace packcell_programs {
 // A figure of the paper; nothing where it has none.
 using PaperFigure = std::optional<double>;
 
+// A mean: known, or estimated with its 95 % interval.
+struct Estimate {
+    double mean = 0;
+    double half_width_95 = 0;  // 0: known
+};
+
 // A row: each call adds a group of columns and a field of the JSON object. The rows of a section
 // are made by the same calls.
 class Row {
@@ -32,6 +38,9 @@ public:
     // Without the paper.
     Row &mean(const std::string &group, const std::string &heading, const std::string &field,
               const Sample &sample, int decimals);
+
+    Row &estimate(const std::string &heading, const std::string &field,
+                  const std::optional<Estimate> &value, int decimals);
 
     // One number, alone ("-" where it is not known) or beside the paper's.
     Row &number(const std::string &group, const std::string &heading, const std::string &field,
@@ -73,8 +82,9 @@ struct Section {
 
 class Report {
 public:
-    // `configuration` is what was asked for; `wanted` how many bins that are.
-    Report(const BenchLine &line, Json configuration, int64_t wanted);
+    // `configuration` is what was asked for; `wanted` how many bins, or other units, that are.
+    Report(const BenchLine &line, Json configuration, int64_t wanted,
+           const std::string &unit = "bins");
 
     // A line below the heading.
     void note(const std::string &text) { notes_.push_back(text); }
@@ -86,6 +96,9 @@ public:
     // there are none, for the row is to be left out then.
     bool bins(Row &row, int64_t bins, int64_t wanted);
 
+    // Where the unit is another one.
+    void add_done(int64_t units) { done_ += units; }
+
     // Writes text or JSON to standard output and returns the program's exit code.
     int print();
 
@@ -96,6 +109,7 @@ private:
     const BenchLine &line_;
     Json configuration_;
     int64_t wanted_;
+    std::string unit_;
     int64_t done_ = 0;
     int interrupt_;  // the signal, or 0
     std::vector<std::string> notes_;

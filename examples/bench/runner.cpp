@@ -17,7 +17,8 @@ namespace {
 
 class JobRunner {
 public:
-    explicit JobRunner(const std::vector<Job> &jobs) : jobs_(jobs) {
+    JobRunner(const std::vector<Job> &jobs, const std::string &unit)
+        : jobs_(jobs), progress_(true, unit) {
         for (const Job &job : jobs) bins_ += job.bins;
     }
 
@@ -71,7 +72,7 @@ private:
     std::atomic<bool> failed_{false};
     std::mutex mutex_;
     uint64_t done_ = 0;
-    Progress progress_{true, "bins"};
+    Progress progress_;
     std::exception_ptr failure_;
 };
 
@@ -98,7 +99,9 @@ void pack(Configuration &configuration, const BinDone &bin_done) {
 
 }  // namespace
 
-void run_jobs(const std::vector<Job> &jobs, unsigned threads) { JobRunner(jobs).run(threads); }
+void run_jobs(const std::vector<Job> &jobs, unsigned threads, const std::string &unit) {
+    JobRunner(jobs, unit).run(threads);
+}
 
 Job packing_job(Configuration &configuration) {
     return Job{configuration.name, configuration.bins,

@@ -14,7 +14,7 @@ namespace packcell_programs {
 // After each bin; false when the job should end there.
 using BinDone = std::function<bool()>;
 
-// Work that is counted in bins.
+// Work that is counted in bins, or in another unit.
 struct Job {
     std::string name;  // for the progress line
     int64_t bins = 0;
@@ -23,7 +23,7 @@ struct Job {
 
 // Returns when all are done or an interrupt came: then begun jobs end at their current bin. Throws
 // the first failure.
-void run_jobs(const std::vector<Job> &jobs, unsigned threads);
+void run_jobs(const std::vector<Job> &jobs, unsigned threads, const std::string &unit = "bins");
 
 // A planner with its options on one workload, and what came of it.
 struct Configuration {

@@ -38,7 +38,7 @@ private:
     bool rotation_;
     std::string repack_ = "off";
     std::string method_ = "exact";
-    std::string policy_ = "contact";
+    std::string policy_ = "default";
     uint64_t budget_nodes_;
     double budget_ms_ = 0;
     bool nodes_given_ = false;

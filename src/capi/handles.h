@@ -10,6 +10,7 @@
 #include "feed/queue.h"
 #include "feed/step.h"
 #include "learn/generator.h"
+#include "learn/trainer.h"
 #include "policy/policy.h"
 #include "search/planner.h"
 
@@ -28,6 +29,12 @@ struct pkc_queue {
 struct pkc_policy {
     explicit pkc_policy(std::shared_ptr<const packcell::Policy> p) : policy(std::move(p)) {}
     std::shared_ptr<const packcell::Policy> policy;
+};
+
+struct pkc_trainer {
+    explicit pkc_trainer(packcell::Training t) : training(std::move(t)) {}
+    packcell::Training training;
+    mutable std::atomic<bool> busy{false};
 };
 
 struct pkc_planner {
@@ -74,6 +81,10 @@ struct FirstLayout<pkc_grid> {
     static constexpr size_t size = 48;
 };
 template <>
+struct FirstLayout<pkc_policy_info> {
+    static constexpr size_t size = 88;
+};
+template <>
 struct FirstLayout<pkc_planner_options> {
     static constexpr size_t size = 48;
 };
@@ -84,6 +95,14 @@ struct FirstLayout<pkc_budget> {
 template <>
 struct FirstLayout<pkc_plan_info> {
     static constexpr size_t size = 88;
+};
+template <>
+struct FirstLayout<pkc_trainer_options> {
+    static constexpr size_t size = 160;
+};
+template <>
+struct FirstLayout<pkc_trainer_info> {
+    static constexpr size_t size = 72;
 };
 template <>
 struct FirstLayout<pkc_generator_options> {

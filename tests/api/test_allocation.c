@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -139,6 +140,9 @@ static pkc_bin *given_bin;
 static pkc_queue *given_queue;
 static uint8_t *given_bytes;
 static size_t given_size;
+static uint8_t given_blob[10000];
+static size_t given_blob_size;
+static pkc_policy *given_policy;
 
 static pkc_status try_bin_create(void) {
     pkc_bin *bin = NULL;
@@ -205,6 +209,40 @@ static pkc_status try_policy_create(void) {
     const pkc_status status = pkc_policy_create("skyline", &policy);
     pkc_policy_free(policy);
     return status;
+}
+
+static pkc_status try_policy_load(void) {
+    pkc_policy *policy = NULL;
+    const pkc_status status = pkc_policy_load(given_blob, given_blob_size, &policy);
+    if (status != PKC_OK) assert_null(policy);
+    pkc_policy_free(policy);
+    return status;
+}
+
+static pkc_status try_policy_load_file(void) {
+    pkc_policy *policy = NULL;
+    const pkc_status status =
+        pkc_policy_load_file(PACKCELL_GOLDEN "/fully-convolutional.pkw", &policy);
+    if (status != PKC_OK) assert_null(policy);
+    pkc_policy_free(policy);
+    return status;
+}
+
+static pkc_status try_policy_save(void) {
+    static uint8_t bytes[sizeof given_blob];
+    size_t size = 0;
+    return pkc_policy_save(given_policy, bytes, sizeof bytes, &size);
+}
+
+static pkc_status try_policy_save_file(void) {
+    return pkc_policy_save_file(given_policy, "test_allocation.tmp.pkw");
+}
+
+static pkc_status try_policy_evaluate(void) {
+    float numbers[401];
+    float value = 0;
+    size_t count = 0;
+    return pkc_policy_evaluate(given_policy, given_bin, 2, 1, numbers, NULL, 401, &count, &value);
 }
 
 static pkc_status try_planner_create(int32_t method) {
@@ -280,13 +318,25 @@ static void an_allocation_that_fails_is_told_and_leaks_nothing(void **state) {
     static const struct {
         const char *name;
         pkc_status (*call)(void);
-    } calls[] = {{"bin_create", try_bin_create},       {"bin_clone", try_bin_clone},
-                 {"bin_pack", try_bin_pack},           {"queue_create", try_queue_create},
-                 {"queue_clone", try_queue_clone},     {"queue_push", try_queue_push},
-                 {"step_apply", try_step_apply},       {"policy_create", try_policy_create},
-                 {"paper planner", try_paper_planner}, {"exact planner", try_exact_planner},
-                 {"generator", try_generator},         {"snapshot_save", try_save},
-                 {"snapshot_load", try_load},          {"exact_pack", try_exact_pack},
+    } calls[] = {{"bin_create", try_bin_create},
+                 {"bin_clone", try_bin_clone},
+                 {"bin_pack", try_bin_pack},
+                 {"queue_create", try_queue_create},
+                 {"queue_clone", try_queue_clone},
+                 {"queue_push", try_queue_push},
+                 {"step_apply", try_step_apply},
+                 {"policy_create", try_policy_create},
+                 {"policy_load", try_policy_load},
+                 {"policy_load_file", try_policy_load_file},
+                 {"policy_save", try_policy_save},
+                 {"policy_save_file", try_policy_save_file},
+                 {"policy_evaluate", try_policy_evaluate},
+                 {"paper planner", try_paper_planner},
+                 {"exact planner", try_exact_planner},
+                 {"generator", try_generator},
+                 {"snapshot_save", try_save},
+                 {"snapshot_load", try_load},
+                 {"exact_pack", try_exact_pack},
                  {"bound_in_order", try_bound}};
     size_t c;
     int32_t i;
@@ -298,6 +348,8 @@ static void an_allocation_that_fails_is_told_and_leaks_nothing(void **state) {
     for (i = 1; i <= 12; ++i) check_pack(given_bin, i, 1, 1, i - 1, 0);
     for (i = 200; i < 210; ++i) check_push(given_queue, i, 2, 1);
     given_bytes = check_snapshot(given_bin, given_queue, &given_size);
+    CHECK_OK(pkc_policy_load_file(PACKCELL_GOLDEN "/fully-convolutional.pkw", &given_policy));
+    CHECK_OK(pkc_policy_save(given_policy, given_blob, sizeof given_blob, &given_blob_size));
     for (c = 0; c < sizeof calls / sizeof calls[0]; ++c) {
         for (all = 0; all < 2; ++all) {
             uint64_t n;
@@ -339,6 +391,8 @@ static void an_allocation_that_fails_is_told_and_leaks_nothing(void **state) {
     }
     pkc_bin_free(given_bin);
     pkc_queue_free(given_queue);
+    pkc_policy_free(given_policy);
+    remove("test_allocation.tmp.pkw");
 }
 
 int main(void) {

@@ -207,7 +207,7 @@ done
 for value in S-R0A1 D-R5A3 x '' S-R99A1 D-R5A3O4 S-R1A1x; do
     refuses '--scenario: ' "$pack" --in "$in" --scenario "$value"
 done
-refuses "--policy 'x': must be one of contact, " "$pack" --in "$in" --policy x
+refuses "--policy 'x': must be one of default, contact, " "$pack" --in "$in" --policy x
 refuses "--method 'x': must be one of paper, exact" "$pack" --in "$in" --method x
 refuses "--repack 'x': must be one of off, anytime, full" "$pack" --in "$in" --repack x
 refuses "--rotation 'yes': must be on or off" "$pack" --in "$in" --rotation yes

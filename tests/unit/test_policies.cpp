@@ -123,7 +123,7 @@ void on_random_bins(Random &random, Check check) {
 }
 
 void every_name_in_the_public_header_makes_a_policy_of_that_name(void **) {
-    const char *names[] = {"contact",        "bottom-left", "skyline",
+    const char *names[] = {"default",        "contact",     "bottom-left",  "skyline",
                            "shelf-next-fit", "maxrects-cp", "maxrects-bssf"};
     size_t count = 0;
     for (const char *name : names) {
