@@ -76,19 +76,14 @@ struct Candidate {
     }
 };
 
-Candidate make_candidate(const std::string &name, PolicyHandle policy) {
+// By its name or its file.
+Candidate load_candidate(const std::string &name, const std::string &policy) {
     Candidate candidate;
     candidate.name = name;
+    candidate.policy = open_policy(policy);
     candidate.info = initialised(pkc_policy_info_init);
-    check(pkc_policy_get_info(policy.get(), &candidate.info));
-    candidate.policy = std::move(policy);
+    check(pkc_policy_get_info(candidate.policy.get(), &candidate.info));
     return candidate;
-}
-
-Candidate load_candidate(const std::string &name, const fs::path &file) {
-    pkc_policy *policy = nullptr;
-    check(pkc_policy_load_file(file.c_str(), &policy));
-    return make_candidate(name, PolicyHandle(policy));
 }
 
 enum class Kind { kOptimum, kDecliningOptimum, kPolicy };
@@ -231,19 +226,14 @@ private:
         };
         if (arguments_.builtin) {
             for (const std::string &name : builtin) {
-                candidates_.push_back(make_candidate(name, make_policy(name)));
+                candidates_.push_back(load_candidate(name, name));
             }
         }
         for (const std::string &given : arguments_.policies) {
-            std::error_code error;
-            if (is_builtin(given)) {
-                if (arguments_.builtin) continue;
-                candidates_.push_back(make_candidate(given, make_policy(given)));
-            } else if (fs::exists(given, error)) {
-                candidates_.push_back(load_candidate(fs::path(given).stem(), given));
-            } else {
-                refuse_value("--policy", given, "one of " + join_names(builtin) + ", or a file");
-            }
+            if (arguments_.builtin && is_builtin(given)) continue;
+            const std::string name =
+                is_policy_file(given) ? fs::path(given).stem().string() : given;
+            candidates_.push_back(load_candidate(name, given));
         }
     }
 

@@ -1,11 +1,13 @@
 // How long a learned policy takes to evaluate an item in a bin: one at a time, and many at once.
 #include <chrono>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "bench/report.hpp"
 #include "common/handles.hpp"
 #include "common/interrupt.hpp"
+#include "common/packing_options.hpp"
 
 namespace packcell_programs {
 
@@ -133,9 +135,9 @@ int run(const BenchLine &line, const Arguments &arguments) {
         networks.push_back(untrained("one bin", PKC_ARCH_ACTOR_CRITIC, w, h));
         networks.push_back(untrained("any bin", PKC_ARCH_FULLY_CONVOLUTIONAL, w, h));
     } else {
-        pkc_policy *policy = nullptr;
-        check(pkc_policy_load_file(arguments.policy.c_str(), &policy));
-        networks.push_back({pkc_policy_name(policy), PolicyHandle(policy)});
+        PolicyHandle policy = open_policy(arguments.policy);
+        const std::string name = pkc_policy_name(policy.get());
+        networks.push_back({name, std::move(policy)});
     }
     const Pairs pairs = make_pairs(w, h, line.seed());
 
@@ -172,8 +174,8 @@ int run_inference(const Bench &bench, int argc, const char *const *argv) {
     Arguments arguments;
     BenchLine line(bench);
     line.no_planner();
-    line.line().text("--policy", arguments.policy, "FILE",
-                     "a weight blob; default untrained networks");
+    line.line().text("--policy", arguments.policy, "NAME|FILE",
+                     "a learned one; default untrained networks");
     line.line().text("--bin", arguments.bin, "WxH", "the bin, in cells");
     line.line().real("--seconds", arguments.seconds, is_seconds, "above 0, at most 3600",
                      "measured for each row");

@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "common/errors.hpp"
+#include "common/handles.hpp"
+#include "common/text.hpp"
 
 namespace packcell_programs {
 
@@ -13,6 +15,7 @@ constexpr uint64_t kMostSelected = 128;
 constexpr uint64_t kMostBuffered = 4096;
 constexpr double kMostMilliseconds = 1e12;
 constexpr double kMostMillimetres = 1e6;
+constexpr size_t kPolicyBytes = 200;  // of a file's name in an episode
 
 bool is_budget(double value) { return value >= 0 && value <= kMostMilliseconds; }
 
@@ -47,6 +50,27 @@ std::vector<std::string> policy_names() {
     std::vector<std::string> names;
     for (size_t i = 0; const char *name = pkc_policy_builtin(i); ++i) names.emplace_back(name);
     return names;
+}
+
+bool is_policy_file(const std::string &given) {
+    const std::string ending = ".pkw";
+    const bool ends = given.size() >= ending.size() &&
+                      given.compare(given.size() - ending.size(), ending.size(), ending) == 0;
+    return ends || given.find('/') != std::string::npos;
+}
+
+PolicyHandle open_policy(const std::string &given) {
+    if (is_policy_file(given)) {
+        pkc_policy *policy = nullptr;
+        check(pkc_policy_load_file(given.c_str(), &policy));
+        return PolicyHandle(policy);
+    }
+    const std::vector<std::string> names = policy_names();
+    if (std::find(names.begin(), names.end(), given) == names.end()) {
+        refuse_value("--policy", given,
+                     "one of " + join_names(names) + ", or a file: with a '/' or the ending .pkw");
+    }
+    return make_policy(given);
 }
 
 PackingOptions::PackingOptions()
@@ -100,7 +124,9 @@ void PackingOptions::add_to(CommandLine &line) {
     line.choice("--repack", repack_, {"off", "anytime", "full"},
                 "unpack and repack: anytime to raise the utilisation,\n"
                 "full only to place every known item or fill the bin");
-    line.text("--policy", policy_, "NAME", "where an item goes:\n" + wrapped(policy_names()));
+    line.text("--policy", policy_, "NAME|FILE",
+              "where an item goes:\n" + wrapped(policy_names()) +
+                  ";\na file with a '/' or the ending .pkw is a weight blob");
     line.choice("--method", method_, {"paper", "exact"},
                 "paper: its algorithms as written; exact: equal states\n"
                 "once, repacking by an exact packer");
@@ -139,20 +165,12 @@ PackOptions PackingOptions::pack_options() const {
     return options;
 }
 
-PolicyHandle PackingOptions::policy() const {
-    const std::vector<std::string> names = policy_names();
-    if (std::find(names.begin(), names.end(), policy_) == names.end()) {
-        refuse_value("--policy", policy_, "one of " + join_names(names));
-    }
-    return make_policy(policy_);
-}
-
 EpisodeLabel PackingOptions::label() const {
     EpisodeLabel label;
     label.scenario = scenario_;
     label.rotation = rotation_;
     label.repack = repack_;
-    label.policy = policy_;
+    label.policy = one_line(policy_, kPolicyBytes);
     label.method = method_;
     label.seed = seed_;
     return label;

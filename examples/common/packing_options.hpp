@@ -14,6 +14,13 @@ namespace packcell_programs {
 // Of the built-in policies, the default first.
 std::vector<std::string> policy_names();
 
+// What a --policy names: a built-in one, or a learned one by the file of its weight blob, which has
+// a '/' or ends in ".pkw".
+bool is_policy_file(const std::string &given);
+
+// Throws UsageError for a name that there is not, Failure for a file that holds no policy.
+PolicyHandle open_policy(const std::string &given);
+
 // How to pack: --scenario --rotation --repack --policy --method --budget-ms --budget-nodes
 // --select --buffer --seed. To be kept alive until the command line was parsed.
 class PackingOptions {
@@ -21,9 +28,9 @@ public:
     PackingOptions();
     void add_to(CommandLine &line);
 
-    // After parsing. Throws UsageError for a policy that there is not.
+    // After parsing.
     PackOptions pack_options() const;
-    PolicyHandle policy() const;
+    PolicyHandle policy() const { return open_policy(policy_); }
     EpisodeLabel label() const;
     bool rotation() const { return rotation_; }
 

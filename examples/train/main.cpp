@@ -16,7 +16,14 @@ namespace {
 
 constexpr const char *kProgram = "packcell-train";
 constexpr uint64_t kMostUpdates = 1'000'000'000'000;
-constexpr uint64_t kDefaultUpdates = 60000;
+
+// An update of the network learns from many items, one of the tables from one.
+struct Length {
+    uint64_t updates;
+    uint64_t every;
+};
+constexpr Length kA3cLength = {60'000, 1000};
+constexpr Length kAfterstateLength = {20'000'000, 1'000'000};
 
 bool is_share(double value) { return value >= 0 && value <= 1; }
 
@@ -63,6 +70,17 @@ void read_name(const std::string &value, pkc_trainer_options &options) {
     value.copy(options.name, sizeof options.name - 1);
 }
 
+// What the other learner would ignore.
+void refuse_options_of_a3c(CommandLine &line) {
+    for (const char *flag : {"--network", "--reward-fill", "--workers", "--environments", "--steps",
+                             "--gamma", "--learning-rate", "--entropy", "--value-weight", "--clip",
+                             "--channels", "--features", "--hidden", "--anneal"}) {
+        if (line.app().count(flag) > 0) {
+            throw UsageError(std::string(flag) + ": must go with --learner a3c");
+        }
+    }
+}
+
 // Whole numbers that the options struct holds in 32 bits.
 struct Counts {
     uint64_t workers, environments, steps, channels, features, hidden;
@@ -77,7 +95,8 @@ int run(int argc, const char *const *argv) {
     std::string bin = "10x10";
     std::string rotation = "mixed";
     std::string sides;
-    plan.updates = kDefaultUpdates;
+    plan.updates = kA3cLength.updates;
+    plan.every = kA3cLength.every;
     o.anneal = 0;
     Counts counts = {static_cast<uint64_t>(o.workers),  static_cast<uint64_t>(o.environments),
                      static_cast<uint64_t>(o.steps),    static_cast<uint64_t>(o.channels),
@@ -118,7 +137,9 @@ int run(int argc, const char *const *argv) {
     line.whole("--seed", o.seed, 0, std::numeric_limits<uint64_t>::max(),
                "equal options and seeds give equal trainings");
     CLI::Option *updates = line.whole("--updates", plan.updates, 1, kMostUpdates,
-                                      "of the network, those before a resumption included");
+                                      "in all, those before a resumption included; of\n"
+                                      "afterstate by default " +
+                                          std::to_string(kAfterstateLength.updates));
     CLI::Option *hours = line.custom(
         "--hours", "X", "",
         [&](const std::string &value) {
@@ -135,9 +156,12 @@ int run(int argc, const char *const *argv) {
             }
             o.anneal = *n;
         },
-        "over so many updates learning rate and entropy weight\n"
-        "fall to a tenth; 0: they stay");
-    line.whole("--every", plan.every, 1, kMostUpdates, "updates between two rows of the curve");
+        "of a3c: over so many updates learning rate and entropy\n"
+        "weight fall to a tenth; 0: they stay");
+    CLI::Option *every = line.whole("--every", plan.every, 1, kMostUpdates,
+                                    "updates between two rows of the curve; of afterstate by\n"
+                                    "default " +
+                                        std::to_string(kAfterstateLength.every));
     line.whole("--measure-bins", plan.measure_bins, 0, 100'000'000, "held-out bins of a row");
     line.whole("--measure-seed", plan.measure_seed, 0, std::numeric_limits<uint64_t>::max(),
                "of the held-out streams");
@@ -158,7 +182,13 @@ int run(int argc, const char *const *argv) {
         "usage, 130 after Ctrl-C, 143 after SIGTERM.");
     if (const std::optional<int> code = line.parse(argc, argv)) return *code;
 
-    o.learner = learner == "a3c" ? PKC_LEARNER_A3C : PKC_LEARNER_AFTERSTATE;
+    const bool is_a3c = learner == "a3c";
+    if (!is_a3c) {
+        refuse_options_of_a3c(line);
+        if (updates->count() == 0) plan.updates = kAfterstateLength.updates;
+        if (every->count() == 0) plan.every = kAfterstateLength.every;
+    }
+    o.learner = is_a3c ? PKC_LEARNER_A3C : PKC_LEARNER_AFTERSTATE;
     o.architecture = network == "one-bin" ? PKC_ARCH_ACTOR_CRITIC : PKC_ARCH_FULLY_CONVOLUTIONAL;
     o.rotation = rotation == "off"  ? PKC_ROTATION_OFF
                  : rotation == "on" ? PKC_ROTATION_ON
@@ -175,7 +205,7 @@ int run(int argc, const char *const *argv) {
     o.hidden = static_cast<int32_t>(counts.hidden);
     if (name->count() == 0) read_name(learner, o);
     if (hours->count() > 0 && updates->count() == 0) plan.updates = 0;
-    if (anneal->count() == 0) o.anneal = plan.updates;
+    if (is_a3c && anneal->count() == 0) o.anneal = plan.updates;
 
     catch_interrupts();
     train(plan);

@@ -53,7 +53,13 @@ public:
           value_({protocol.bin_w, protocol.bin_h, protocol.most_side, protocol.rotation},
                  protocol.items == 0 ? 0.0f : 1.0f),
           errors_(value_.entries().size(), 0.0f),
-          strengths_(value_.entries().size(), 0.0f) {}
+          strengths_(value_.entries().size(), 0.0f),
+          bootstraps_(protocol.items == 0) {
+        uint32_t list[AfterstateFeatures::kMostCount];
+        const Bin empty(protocol.bin_w, protocol.bin_h);
+        width_ = static_cast<size_t>(value_.features().list(FreeCells(empty), list));
+        hope();
+    }
 
     void run(uint64_t updates, const std::atomic<bool> &cancel) {
         run_bins_ = 0;
@@ -83,7 +89,8 @@ public:
         save_floats(strengths_, out);
         out.u64(updates_);
         out.u64(bins_);
-        out.u32(static_cast<uint32_t>(left_behind_.size()));
+        out.u32(static_cast<uint32_t>(occupied_.size()));
+        for (const int cells : occupied_) out.i32(cells);
         for (const uint32_t entry : left_behind_) out.u32(entry);
     }
 
@@ -94,19 +101,13 @@ public:
         restore_floats(strengths_, in);
         updates_ = in.u64();
         bins_ = in.u64();
-        const size_t at = in.at();
-        const uint32_t count = in.u32();
-        if (count > AfterstateFeatures::kMostCount) {
-            fail(Status::kFormat, "byte %zu: %u features: must be 0..%d", at, count,
-                 AfterstateFeatures::kMostCount);
-        }
-        left_behind_.resize(count);
+        const int cells = environment_.bin().cells();
+        occupied_.resize(static_cast<size_t>(in.ranged("bins left behind", 0, cells)));
+        for (int &taken : occupied_) taken = in.ranged("occupied cells", 0, cells);
+        left_behind_.resize(occupied_.size() * width_);
+        const auto last = static_cast<int32_t>(value_.entries().size()) - 1;
         for (uint32_t &entry : left_behind_) {
-            entry = in.u32();
-            if (entry >= value_.entries().size()) {
-                fail(Status::kFormat, "byte %zu: entry %u: must be 0..%zu", in.at() - 4, entry,
-                     value_.entries().size() - 1);
-            }
+            entry = static_cast<uint32_t>(in.ranged("entry", 0, last));
         }
     }
 
@@ -129,41 +130,72 @@ private:
                 size = other;
             }
         }
-        if (!left_behind_.empty()) learn(static_cast<float>(size.w * size.h) + best);
+        if (bootstraps_ && !occupied_.empty()) {
+            learn(0, static_cast<float>(size.w * size.h) + best);
+            forget();
+        }
         FreeCells after = free;
         after.take({position % bin.w(), position / bin.w(), size.w, size.h});
-        left_behind_.resize(AfterstateFeatures::kMostCount);
-        const int count = value_.features().list(after, left_behind_.data());
-        left_behind_.resize(static_cast<size_t>(count));
+        remember(after);
         const Environment::Outcome outcome = environment_.place(position, turned);
         if (!outcome.closed) return;
-        learn(0);
-        left_behind_.clear();
+        for (size_t i = 0; i < occupied_.size(); ++i) {
+            learn(i, static_cast<float>(outcome.occupied - occupied_[i]));
+        }
+        forget();
         ++run_bins_;
         run_cells_ += outcome.occupied;
     }
 
-    // Moves the value of what was left behind towards `target`.
-    void learn(float target) {
+    // At first every bin is thought to be filled: what was never tried is tried.
+    void hope() {
+        const AfterstateFeatures::Table &fits = value_.features().tables().back();
+        const uint32_t counts = fits.shape.back();
+        for (uint32_t i = 0; i < fits.size; ++i) {
+            value_.entries()[fits.offset + i] = static_cast<float>(i % counts);
+        }
+    }
+
+    void remember(const FreeCells &free) {
+        left_behind_.resize((occupied_.size() + 1) * width_);
+        value_.features().list(free, left_behind_.data() + occupied_.size() * width_);
+        occupied_.push_back(free.w * free.h - free.count);
+    }
+
+    void forget() {
+        left_behind_.clear();
+        occupied_.clear();
+    }
+
+    // Moves the value of what was left behind, the i-th time in this bin, towards `target`.
+    void learn(size_t i, float target) {
+        const uint32_t *begin = left_behind_.data() + i * width_;
+        const uint32_t *end = begin + width_;
         float value = 0;
-        for (const uint32_t e : left_behind_) value += value_.entries()[e];
+        for (const uint32_t *e = begin; e != end; ++e) value += value_.entries()[*e];
         const float error = target - value;
-        const float step = error / static_cast<float>(left_behind_.size());
-        for (const uint32_t e : left_behind_) {
-            const float strength = strengths_[e];
-            const float coherence = strength > 0 ? std::fabs(errors_[e]) / strength : 1.0f;
-            value_.entries()[e] += coherence * step;
-            errors_[e] += error;
-            strengths_[e] += std::fabs(error);
+        const float step = error / static_cast<float>(width_);
+        for (const uint32_t *e = begin; e != end; ++e) {
+            const float strength = strengths_[*e];
+            const float coherence = strength > 0 ? std::fabs(errors_[*e]) / strength : 1.0f;
+            value_.entries()[*e] += coherence * step;
+            errors_[*e] += error;
+            strengths_[*e] += std::fabs(error);
         }
         run_squares_ += static_cast<double>(error) * static_cast<double>(error);
     }
 
     Environment environment_;
     AfterstateValue value_;
-    std::vector<float> errors_;          // per entry: sum of the errors that it met
-    std::vector<float> strengths_;       // and of their absolute values
-    std::vector<uint32_t> left_behind_;  // features of the bin after the last item; empty: none yet
+    std::vector<float> errors_;     // per entry: sum of the errors that it met
+    std::vector<float> strengths_;  // and of their absolute values
+    // Where items are passed by, bins that look alike are worth less the fewer items are to come,
+    // which no feature tells: values then move to what came of the bin, not to other values.
+    bool bootstraps_;
+    size_t width_ = 0;  // features of one bin
+    std::vector<uint32_t>
+        left_behind_;            // features of what was left behind and not yet learned from
+    std::vector<int> occupied_;  // and its occupied cells
     uint64_t updates_ = 0;
     uint64_t bins_ = 0;
     uint64_t run_updates_ = 0;
@@ -194,9 +226,12 @@ void AfterstateLearner::run(uint64_t updates) {
         players_[0]->run(updates, cancel_);
         return;
     }
-    const uint64_t half = updates / 2;
-    std::thread other([this, half] { players_[1]->run(half, cancel_); });
-    players_[0]->run(updates - half, cancel_);
+    // Halves of all updates so far, however they are split into runs.
+    const uint64_t done = players_[1]->updates();
+    const uint64_t half = (players_[0]->updates() + done + updates) / 2;
+    const uint64_t share = std::min(updates, half > done ? half - done : 0);
+    std::thread other([this, share] { players_[1]->run(share, cancel_); });
+    players_[0]->run(updates - share, cancel_);
     other.join();
 }
 

@@ -1,7 +1,8 @@
 // Learns the afterstate value by temporal differences: the value of the bin left behind moves
-// towards the cells that the next item takes plus the value of what that leaves. Step sizes are set
-// per table entry by temporal coherence (Beal and Smith, 1999). The policy that plays is the greedy
-// one; arriving items explore enough.
+// towards the cells that the next item takes plus the value of what that leaves (or, where items
+// are passed by, towards the cells that were taken in the end). Step sizes are set per table entry
+// by temporal coherence (Beal and Smith, 1999). The policy that plays is the greedy one; arriving
+// items explore enough.
 #pragma once
 
 #include <atomic>

@@ -187,7 +187,7 @@ void ExactRepack::begin_unpack() {
         return;
     }
     unpack_.start(*bin_, need_.data(), static_cast<int>(need_.size()), leave_.data(), leaving,
-                  options_.rotation, most);
+                  options_.rotation, most, options_.critic);
     stage_ = Stage::kUnpack;
 }
 

@@ -19,6 +19,7 @@ struct RepackOptions {
     bool full = false;          // requireFullPack: every known item, or a bin that is 100 % full
     int buffer_capacity = 0;    // items that an arm's buffer holds; negative: unlimited
     int most_left = kMaxKnown;  // items that may be out of the bin and off the belt in the end
+    const Policy *critic = nullptr;  // ranks the bins that repackings leave, where there is one
 };
 
 class ExactRepack {

@@ -170,7 +170,9 @@ void Planner::begin_repack() {
         tree.require_full = full;
         trial_->start(bin_, view_, tree, options_.buffer_capacity, most_left, occupied);
     } else {
-        exact_->start(bin_, view_, {options_.rotation, full, options_.buffer_capacity, most_left},
+        exact_->start(bin_, view_,
+                      {options_.rotation, full, options_.buffer_capacity, most_left,
+                       policy().has_value(bin_) ? &policy() : nullptr},
                       occupied);
     }
     repack_begun_ = true;

@@ -1,6 +1,7 @@
 #include "search/tree.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace packcell {
 
@@ -233,11 +234,15 @@ bool TreeSearch::ranks_below_best(float worth, int64_t score, int occupied) cons
     return occupied < best_.occupied;
 }
 
-// Once an item that is seen has no position the bin is about to close.
+// Once an item that is seen has no position the bin is about to close. Of many sequences the one
+// whose value errs most would win: there whole cells count, and less is left to the contact reward.
 float TreeSearch::worth_of(bool complete, int occupied) const {
+    constexpr int kFewKnown = 2;
     if (!options_.critic) return 0;
     if (!complete) return static_cast<float>(occupied);
-    return options_.policy->value(bin_, view_->count() == 1 ? Effort::kHigh : Effort::kUsual);
+    const Effort effort = view_->count() == 1 ? Effort::kHigh : Effort::kUsual;
+    const float worth = options_.policy->value(bin_, effort);
+    return view_->count() > kFewKnown ? std::floor(worth) : worth;
 }
 
 // Contact rewards summed over the items that are carried out. The sum does not depend on their

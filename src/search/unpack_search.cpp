@@ -8,7 +8,7 @@ namespace {
 
 // Once a smallest set is known, others of its size are tried for a better bin for as long as it
 // took to find it, and this much longer.
-constexpr uint64_t kQualityNodes = 3000;
+constexpr uint64_t kQualityNodes = 8000;
 
 // Sets of items under placements that are kept, of all needed items together; and placements times
 // movable items that are looked at for one of them.
@@ -17,7 +17,7 @@ constexpr int kMostMaskWork = 1 << 17;
 
 // Packings of one subset that are looked at: another may leave a better bin, or do with smaller
 // buffers.
-constexpr int kMostPackings = 40;
+constexpr int kMostPackings = 100;
 
 }  // namespace
 
@@ -37,8 +37,9 @@ UnpackSearch::UnpackSearch(int max_side, size_t max_items, uint64_t memory)
 }
 
 void UnpackSearch::start(const Bin &bin, const Item *need, int need_count, const int *leave,
-                         int leave_count, bool rotation, int max_extra) {
+                         int leave_count, bool rotation, int max_extra, const Policy *critic) {
     bin_ = &bin;
+    critic_ = critic;
     rotation_ = rotation;
     need_.assign(need, need + need_count);
     leave_.assign(leave, leave + leave_count);
@@ -147,7 +148,8 @@ bool UnpackSearch::make_candidate() {
     packed_.resize(items_.size());
     packer_.placements(packed_.data());
     for (const Placement &p : packed_) trial_.place(p);
-    quality_ = -trial_.free_boundary();
+    quality_ = critic_ != nullptr ? critic_->value(trial_, Effort::kHigh)
+                                  : -static_cast<float>(trial_.free_boundary());
     for (size_t i = 0; i < packed_.size(); ++i) trial_.undo_place();
     if (accepted_ && quality_ <= best_quality_) return false;
     unpacked_.assign(leave_.begin(), leave_.end());

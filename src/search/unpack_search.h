@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "policy/policy.h"
 #include "search/combination.h"
 #include "search/exact_packer.h"
 #include "search/view.h"
@@ -20,7 +21,7 @@ public:
     // `need` items have to be in the bin, those of `leave` (indices in bin.items()) have to leave
     // it. At most `max_extra` others are taken out and put back. `bin` must stay as it is.
     void start(const Bin &bin, const Item *need, int need_count, const int *leave, int leave_count,
-               bool rotation, int max_extra);
+               bool rotation, int max_extra, const Policy *critic);
 
     // kCandidate: there is a packing with fewer items taken out than any that was accepted, or with
     // as many and a better bin left; accept() it or not, then run() again. kDone when no further
@@ -51,6 +52,7 @@ private:
     bool make_candidate();
 
     const Bin *bin_ = nullptr;
+    const Policy *critic_ = nullptr;
     bool rotation_ = false;
     int max_extra_ = 0;
     std::vector<int> movable_;  // indices in bin.items(), last packed first
@@ -63,8 +65,8 @@ private:
     bool offered_ = false;   // the last answer was kCandidate
     bool accepted_ = false;  // some candidate was accepted, one of this subset size
     int packings_ = 0;       // found for this subset
-    int quality_ = 0;        // of the candidate
-    int best_quality_ = 0;
+    float quality_ = 0;      // of the candidate
+    float best_quality_ = 0;
     uint64_t nodes_ = 0;          // spent since start()
     uint64_t refused_ = 0;        // subsets that left some needed item without a placement
     uint64_t quality_until_ = 0;  // when to stop looking for a better bin

@@ -52,28 +52,25 @@ static int step(pkc_planner *planner, pkc_bin *bin, pkc_queue *queue, uint64_t n
     return info.terminate == 0;
 }
 
-static void planning_allocates_nothing_over_whole_streams(void **state) {
-    const int bins = check_count(3, 30);
+static void plan_whole_streams(int32_t w, int32_t h, int bins) {
     uint64_t seed = 21;
     int32_t method;
     int32_t repack;
     size_t s;
-    (void)state;
-    if (check_watched()) skip();
     for (method = 1; method <= 2; ++method) {
         for (repack = 0; repack <= 2; ++repack) {
             for (s = 0; s < 6; ++s) {
                 pkc_planner_options options = check_options();
                 pkc_planner *planner = NULL;
-                pkc_bin *bin = check_bin(9, 8);
+                pkc_bin *bin = check_bin(w, h);
                 pkc_queue *queue = check_queue(scenarios[s]);
                 int32_t id = 0;
                 int closed = 0;
                 options.method = method;
                 options.repack = repack;
                 options.rotation = (int32_t)(s & 1);
-                options.max_side = 9;
-                options.max_items = 72;
+                options.max_side = w;
+                options.max_items = w * h;
                 options.memory = 65536;
                 CHECK_OK(pkc_planner_create(&options, NULL, &planner));
                 while (closed < bins) {
@@ -91,6 +88,19 @@ static void planning_allocates_nothing_over_whole_streams(void **state) {
             }
         }
     }
+}
+
+static void planning_allocates_nothing_over_whole_streams(void **state) {
+    (void)state;
+    if (check_watched()) skip();
+    plan_whole_streams(9, 8, check_count(3, 30));
+}
+
+/* The default policy looks at bins of this size by its tables, and judges by their values. */
+static void planning_with_the_default_policy_s_tables_allocates_nothing(void **state) {
+    (void)state;
+    if (check_watched()) skip();
+    plan_whole_streams(10, 10, check_count(2, 30));
 }
 
 /* The limits themselves, not only what is far from them. */
@@ -399,6 +409,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_counter_counts_what_the_library_allocates),
         cmocka_unit_test(planning_allocates_nothing_over_whole_streams),
+        cmocka_unit_test(planning_with_the_default_policy_s_tables_allocates_nothing),
         cmocka_unit_test(planning_at_the_limits_allocates_nothing),
         cmocka_unit_test(an_allocation_that_fails_is_told_and_leaks_nothing),
     };

@@ -225,6 +225,102 @@ static void a_checkpoint_goes_on_bit_for_bit(void **state) {
     assert_int_equal(pkc_trainer_load_file(path, &loaded), PKC_E_IO);
 }
 
+static size_t read_all(const char *path, uint8_t *bytes, size_t capacity) {
+    FILE *file = fopen(path, "rb");
+    size_t size;
+    assert_non_null(file);
+    size = fread(bytes, 1, capacity, file);
+    assert_int_equal(fclose(file), 0);
+    assert_true(size < capacity);
+    return size;
+}
+
+static void write_all(const char *path, const uint8_t *bytes, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void tables_are_learned_saved_and_learned_on_bit_for_bit(void **state) {
+    static uint8_t whole[1 << 20];
+    static uint8_t halves[1 << 20];
+    static uint8_t checkpoint[1 << 21];
+    static const char *const ends[] = {"PKT", "ends here", "checksum", "checksum", "checksum"};
+    pkc_trainer_options o = small_options();
+    pkc_trainer_options found;
+    pkc_trainer *trainer;
+    pkc_trainer *loaded = NULL;
+    pkc_policy *policy = NULL;
+    pkc_policy_info info;
+    char path[64];
+    size_t cuts[5];
+    size_t size;
+    size_t i;
+    double off = 0;
+    double on = 0;
+    (void)state;
+    o.learner = PKC_LEARNER_AFTERSTATE;
+    strcpy(o.name, "tables");
+    trainer = make_trainer(&o);
+    snprintf(path, sizeof path, "/tmp/pkc_tables_%ld.pkt", (long)getpid());
+    assert_int_equal(pkc_trainer_run(trainer, 4001), PKC_OK);
+    assert_int_equal(pkc_trainer_save_file(trainer, path), PKC_OK);
+    assert_int_equal(pkc_trainer_run(trainer, 3000), PKC_OK);
+    assert_int_equal(info_of(trainer).updates, 7001);
+    assert_int_equal(info_of(trainer).steps, 7001);
+    assert_true(info_of(trainer).bins > 300 && info_of(trainer).utilization > 0.6);
+    size = blob_of(trainer, whole, sizeof whole);
+
+    assert_int_equal(pkc_trainer_load_file(path, &loaded), PKC_OK);
+    assert_int_equal(pkc_trainer_options_init(&found, sizeof found), PKC_OK);
+    assert_int_equal(pkc_trainer_get_options(loaded, &found), PKC_OK);
+    assert_memory_equal(&found, &o, sizeof o);
+    assert_int_equal(info_of(loaded).updates, 4001);
+    assert_int_equal(pkc_trainer_run(loaded, 1), PKC_OK);
+    assert_int_equal(pkc_trainer_run(loaded, 2999), PKC_OK);
+    assert_int_equal(blob_of(loaded, halves, sizeof halves), size);
+    assert_memory_equal(whole, halves, size);
+
+    assert_int_equal(pkc_trainer_measure(loaded, PKC_ROTATION_ON, 3, 500, &on, NULL), PKC_OK);
+    assert_int_equal(pkc_trainer_measure(loaded, PKC_ROTATION_OFF, 3, 500, &off, NULL), PKC_OK);
+    assert_true(off > 0.75 && on > off);
+    assert_int_equal(pkc_trainer_policy(loaded, &policy), PKC_OK);
+    assert_int_equal(pkc_policy_info_init(&info, sizeof info), PKC_OK);
+    assert_int_equal(pkc_policy_get_info(policy, &info), PKC_OK);
+    assert_string_equal(pkc_policy_name(policy), "tables");
+    assert_string_equal(info.learner, "td-afterstate");
+    assert_int_equal(info.architecture, PKC_ARCH_AFTERSTATE);
+    assert_true(info.bin_w == 6 && info.bin_h == 6 && info.steps == 7001 && info.seed == 1);
+    assert_true(fabs(info.utilization - off) < 1e-6);
+    pkc_policy_free(policy);
+    pkc_trainer_free(loaded);
+    pkc_trainer_free(trainer);
+
+    size = read_all(path, checkpoint, sizeof checkpoint);
+    cuts[0] = 0;
+    cuts[1] = 8;
+    cuts[2] = 100;
+    cuts[3] = size / 2;
+    cuts[4] = size - 1;
+    for (i = 0; i < 5; ++i) {
+        loaded = NULL;
+        write_all(path, checkpoint, cuts[i]);
+        assert_int_equal(pkc_trainer_load_file(path, &loaded), PKC_E_FORMAT);
+        assert_null(loaded);
+        assert_non_null(strstr(pkc_last_error(), path));
+        assert_non_null(strstr(pkc_last_error(), ends[i]));
+    }
+    assert_int_equal(unlink(path), 0);
+
+    trainer = NULL;
+    o.bin_w = 13;
+    assert_int_equal(pkc_trainer_create(&o, &trainer), PKC_E_ARGUMENT);
+    assert_string_equal(pkc_last_error(),
+                        "bin 13x6: an afterstate policy needs sides 2..12, (w + 1) h <= 128");
+    assert_null(trainer);
+}
+
 struct canceller {
     pkc_trainer *trainer;
     volatile int ended;
@@ -350,6 +446,7 @@ int main(void) {
         cmocka_unit_test(a_run_counts_updates_steps_and_bins),
         cmocka_unit_test(the_policy_tells_where_it_comes_from_and_stays_as_it_is),
         cmocka_unit_test(a_checkpoint_goes_on_bit_for_bit),
+        cmocka_unit_test(tables_are_learned_saved_and_learned_on_bit_for_bit),
         cmocka_unit_test(another_thread_cancels_and_finds_the_handle_busy),
         cmocka_unit_test(a_batch_gives_what_single_calls_give),
         cmocka_unit_test(planning_with_a_network_touches_no_heap),

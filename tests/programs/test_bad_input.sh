@@ -186,6 +186,35 @@ expect_error 1 'good.out: Not a directory' 'a file as folder' \
 refuses "--out '.*': must be another file than --in" "$pack" --in "$in" --out "$in"
 [ -s "$in" ] || fail '--out that is --in emptied it'
 
+# ---- Weight blobs --------------------------------------------------------------------------------
+# Of a network for bins of 4x3; and one cut short, no blob at all, one of no policy.
+golden=$source/tests/golden
+printf '{"id":"a","bin":[4,3],"items":[[2,1],[1,2]]}' >"$in"
+"$pack" --in "$in" --out "$work/out" --quiet --policy "$golden/actor-critic.pkw" ||
+    fail 'packing with a weight blob'
+grep -q "\"policy\":\"$golden/actor-critic.pkw\"" "$work/out" || fail 'the episode names no file'
+(cd "$golden" && "$pack" --in "$in" --out "$work/out" --quiet --policy actor-critic.pkw) ||
+    fail 'a weight blob in the folder at hand'
+set_with '[[2,1]]' >"$work/ten"
+expect_error 1 "^packcell-pack: $work/ten:1: instance 'a': bin 10x10: .* trained for 4x3 bins" \
+    'a blob for other bins' "$pack" --in "$work/ten" --policy "$golden/actor-critic.pkw"
+expect_error 1 '^packcell-pack: .*nowhere/a.pkw.*: No such file' 'no blob' \
+    "$pack" --in "$in" --policy "$work/nowhere/a.pkw"
+expect_error 1 '^packcell-pack: none.pkw.*: No such file' 'no blob here' \
+    "$pack" --in "$in" --policy none.pkw
+expect_error 1 "^packcell-pack: $work: cannot be read" 'a folder as blob' \
+    "$pack" --in "$in" --policy "$work"
+head -c 1000 "$golden/actor-critic.pkw" >"$work/short.pkw"
+expect_error 1 "^packcell-pack: $work/short.pkw: byte [0-9]+: " 'a blob cut short' \
+    "$pack" --in "$in" --policy "$work/short.pkw"
+: >"$work/empty.pkw"
+expect_error 1 "^packcell-pack: $work/empty.pkw: byte 0: " 'an empty blob' \
+    "$pack" --in "$in" --policy "$work/empty.pkw"
+expect_error 1 "^packcell-pack: $work/good.jsonl: byte 0: " 'another kind of file' \
+    "$pack" --in "$in" --policy "$work/good.jsonl"
+expect_error 1 "^packcell-pack: $golden/weights.pkw: " 'a blob of no policy' \
+    "$pack" --in "$in" --policy "$golden/weights.pkw"
+
 # ---- Options -------------------------------------------------------------------------------------
 refuses '.*--bogus' "$pack" --in "$in" --bogus
 refuses '.*junk' "$pack" --in "$in" junk
@@ -207,7 +236,8 @@ done
 for value in S-R0A1 D-R5A3 x '' S-R99A1 D-R5A3O4 S-R1A1x; do
     refuses '--scenario: ' "$pack" --in "$in" --scenario "$value"
 done
-refuses "--policy 'x': must be one of default, contact, " "$pack" --in "$in" --policy x
+refuses "--policy 'x': must be one of default, contact, .*, or a file" "$pack" --in "$in" --policy x
+refuses "--policy 'default.pkt': must be one of" "$pack" --in "$in" --policy default.pkt
 refuses "--method 'x': must be one of paper, exact" "$pack" --in "$in" --method x
 refuses "--repack 'x': must be one of off, anytime, full" "$pack" --in "$in" --repack x
 refuses "--rotation 'yes': must be on or off" "$pack" --in "$in" --rotation yes

@@ -260,9 +260,10 @@ inline void push_items(Random &random, State &s, int count, int32_t first_id, in
 }
 
 // A state some steps into a bin, with whatever lies in the buffers by then.
-inline State draw_state(Random &random, const char *scenario, int most_side, int least_belt = 0) {
-    const int w = draw(random, 3, most_side);
-    const int h = draw(random, 3, most_side);
+inline State draw_state(Random &random, const char *scenario, int most_side, int least_belt = 0,
+                        int least_side = 3) {
+    const int w = draw(random, least_side, most_side);
+    const int h = draw(random, least_side, most_side);
     State s = make_state(w, h, scenario);
     if (random.below(4) == 0)
         CHECK_OK(pkc_bin_block(s.bin.get(), draw(random, 0, w - 1), draw(random, 0, h - 1), 1, 1));

@@ -104,31 +104,37 @@ void the_best_so_far_is_always_a_legal_plan(void **) {
 }
 
 // Not their sizes, not their number, as long as some remain: with none left the belt would come to
-// its end, which shows.
+// its end, which shows. `side` 0: bins of many shapes.
+void change_items_behind(const char *policy, int side, int rounds) {
+    over_modes(rounds, 3000, [&](Random &random, uint64_t seed, const char *scenario, Mode mode) {
+        const State s = side == 0 ? draw_state(random, scenario, 8, 8)
+                                  : draw_state(random, scenario, side, 8, side);
+        pkc_scenario sc;
+        CHECK_OK(pkc_scenario_init(&sc, sizeof sc));
+        CHECK_OK(pkc_queue_get_scenario(s.queue.get(), &sc));
+        const auto belt = belt_of(s);
+        if (belt.size() < static_cast<size_t>(sc.recognized) + 2) return;
+        const PlannerHandle planner = make_planner(small_options(mode.method, mode.repack), policy);
+        const Plan plan = plan_once(planner, s, 1500);
+        State fewer = s.copy();
+        for (size_t i = static_cast<size_t>(sc.recognized) + 1; i < belt.size(); ++i)
+            CHECK_OK(pkc_queue_remove(fewer.queue.get(), belt[i].item.id));
+        if (!same(plan, plan_once(planner, fewer, 1500)))
+            report(seed, scenario, mode, "another plan with fewer items behind");
+        State other = fewer.copy();
+        CHECK_OK(
+            pkc_queue_remove(other.queue.get(), belt[static_cast<size_t>(sc.recognized)].item.id));
+        push_items(random, other, 5, 5000, 9, 9);
+        if (!same(plan, plan_once(planner, other, 1500)))
+            report(seed, scenario, mode, "another plan with other items behind");
+    });
+}
+
 void items_beyond_the_recognised_ones_change_no_plan(void **) {
-    over_modes(check_count(6, 80), 3000,
-               [](Random &random, uint64_t seed, const char *scenario, Mode mode) {
-                   const State s = draw_state(random, scenario, 8, 8);
-                   pkc_scenario sc;
-                   CHECK_OK(pkc_scenario_init(&sc, sizeof sc));
-                   CHECK_OK(pkc_queue_get_scenario(s.queue.get(), &sc));
-                   const auto belt = belt_of(s);
-                   if (belt.size() < static_cast<size_t>(sc.recognized) + 2) return;
-                   const PlannerHandle planner =
-                       make_planner(small_options(mode.method, mode.repack));
-                   const Plan plan = plan_once(planner, s, 1500);
-                   State fewer = s.copy();
-                   for (size_t i = static_cast<size_t>(sc.recognized) + 1; i < belt.size(); ++i)
-                       CHECK_OK(pkc_queue_remove(fewer.queue.get(), belt[i].item.id));
-                   if (!same(plan, plan_once(planner, fewer, 1500)))
-                       report(seed, scenario, mode, "another plan with fewer items behind");
-                   State other = fewer.copy();
-                   CHECK_OK(pkc_queue_remove(other.queue.get(),
-                                             belt[static_cast<size_t>(sc.recognized)].item.id));
-                   push_items(random, other, 5, 5000, 9, 9);
-                   if (!same(plan, plan_once(planner, other, 1500)))
-                       report(seed, scenario, mode, "another plan with other items behind");
-               });
+    change_items_behind("contact", 0, check_count(6, 80));
+    change_items_behind("skyline", 0, check_count(2, 20));
+    // With its critic, which is for bins of ten cells a side.
+    change_items_behind("default", 10, check_count(3, 40));
 }
 
 // Small enough for the search to end by itself: then a larger choice cannot rank lower.

@@ -143,7 +143,7 @@ void unpack_search_finds_a_smallest_set(void **) {
         const int want = fewest_extra(s.bin, need, leave, s.rotation);
         const int most = draw(random, 0, 6);
         search.start(s.bin, need.data(), static_cast<int>(need.size()), leave.data(),
-                     static_cast<int>(leave.size()), s.rotation, most);
+                     static_cast<int>(leave.size()), s.rotation, most, nullptr);
         Budget budget = unlimited();
         int got = -1;
         for (;;) {
