@@ -19,7 +19,7 @@ CTEST = ctest --test-dir $(1) --output-on-failure --no-tests=error --timeout $(T
 
 # The verbs share build folders.
 .NOTPARALLEL:
-.PHONY: build run test check-all bench train fuzz asan tsan valgrind tidy format install clean help
+.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy format install clean help
 
 build: build/build.ninja
 	@$(call COMPILE,build)
@@ -89,9 +89,17 @@ valgrind:
 	@$(call CTEST,build/valgrind) --label-regex '^(api|unit)$$'
 
 # About a quarter of an hour on two cores; a second call goes on where the first one was stopped.
+# The recipes of docs/training.md; both go on where they were stopped.
 train: build
 	@mkdir -p out
-	@build/bin/packcell-train --seed $(SEED) --workers 2 --checkpoint out/a3c-$(SEED).pkt \
+	@build/bin/packcell-train --learner afterstate --rotation mixed --seed $(SEED) --updates 60000000 \
+	    --every 2000000 --measure-bins 4000 --name default --checkpoint out/default-$(SEED).pkt \
+	    --out out/default-$(SEED).pkw --csv out/default-$(SEED).csv --svg out/default-$(SEED).svg
+
+train-a3c: build
+	@mkdir -p out
+	@build/bin/packcell-train --learner a3c --seed $(SEED) --workers 2 --updates 80000 --gamma 0.95 \
+	    --every 1000 --measure-bins 4000 --checkpoint out/a3c-$(SEED).pkt \
 	    --out out/a3c-$(SEED).pkw --csv out/a3c-$(SEED).csv --svg out/a3c-$(SEED).svg
 
 # What libFuzzer finds worth keeping stays in build/fuzz/corpus; an input that breaks a rule is left
@@ -133,7 +141,8 @@ help:
 	@echo "make test       run every test"
 	@echo "make check-all  tests with full counts, asan, tsan, valgrind, tidy"
 	@echo "make bench      our figures beside the paper's, short counts"
-	@echo "make train      train the paper's network; policy and curves in out/ (SEED=$(SEED))"
+	@echo "make train      train the default policy; policy and curves in out/ (SEED=$(SEED))"
+	@echo "make train-a3c  train the paper's network likewise"
 	@echo "make fuzz       libFuzzer on the weight blob reader, FUZZ_SECONDS=$(FUZZ_SECONDS) of it"
 	@echo "make asan       tests with the address and undefined-behaviour sanitizers"
 	@echo "make tsan       tests with the thread sanitizer"

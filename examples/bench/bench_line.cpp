@@ -1,6 +1,6 @@
 #include "bench/bench_line.hpp"
 
-#include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include "common/errors.hpp"
@@ -16,6 +16,7 @@ constexpr uint64_t kMostCount = 1'000'000;
 constexpr uint64_t kMostThreads = 256;
 constexpr double kMostMilliseconds = 1e12;
 constexpr size_t kMostListed = 64;
+constexpr size_t kPolicyBytes = 200;  // of a file's name in a report
 
 bool is_budget(double value) { return value >= 0 && value <= kMostMilliseconds; }
 
@@ -83,15 +84,9 @@ std::vector<std::string> BenchLine::split_list(const std::string &flag, const st
 
 void BenchLine::add_planner() {
     const std::vector<std::string> policies = policy_names();
-    line_.custom(
-        "--policy", "NAME", policy_,
-        [this, policies](const std::string &value) {
-            if (std::find(policies.begin(), policies.end(), value) == policies.end()) {
-                refuse_value("--policy", value, "one of " + join_names(policies));
-            }
-            policy_ = value;
-        },
-        "where an item goes:\n" + wrapped(policies));
+    line_.text("--policy", policy_, "NAME|FILE",
+               "where an item goes:\n" + wrapped(policies) +
+                   ";\na file with a '/' or the ending .pkw is a weight blob");
     line_
         .whole("--budget-nodes", budget_nodes_, 0, std::numeric_limits<uint64_t>::max(),
                "placements tried a step, 0 for no limit; a time limit\n"
@@ -117,7 +112,15 @@ std::optional<int> BenchLine::parse(int argc, const char *const *argv) {
         "Exit codes: 0 done, 1 failed, 2 bad usage, 130 after Ctrl-C, 143 after SIGTERM. An\n"
         "interrupt finishes the current bins and prints what is done; a second one ends at\n"
         "once.");
-    return line_.parse(argc, argv);
+    if (const std::optional<int> code = line_.parse(argc, argv)) return code;
+    if (has_planner_) opened_policy_ = open_policy(policy_);
+    return std::nullopt;
+}
+
+std::string BenchLine::policy_name() const {
+    return is_policy_file(policy_)
+               ? one_line(std::filesystem::path(policy_).stem().string(), kPolicyBytes)
+               : policy_;
 }
 
 pkc_budget BenchLine::budget(double milliseconds) const {
@@ -141,7 +144,7 @@ PackOptions BenchLine::pack_options(const std::string &scenario, bool rotation,
 }
 
 std::string BenchLine::planner_text(const pkc_budget &limits) const {
-    std::string text = "policy " + policy_;
+    std::string text = "policy " + policy_name();
     if (has_method_) text = "method " + method_ + ", " + text;
     if (limits.nodes > 0) text += ", " + std::to_string(limits.nodes) + " nodes a step";
     if (limits.milliseconds > 0) text += ", " + number_text(limits.milliseconds) + " ms a step";
@@ -152,7 +155,7 @@ Json BenchLine::configuration(const pkc_budget &limits) const {
     Json json;
     if (!scenarios_.empty()) json["scenarios"] = scenarios_;
     if (has_method_) json["method"] = method_;
-    json["policy"] = policy_;
+    json["policy"] = one_line(policy_, kPolicyBytes);
     json["budget_nodes"] = limits.nodes;
     if (has_budget_ms_) json["budget_ms"] = limits.milliseconds;
     json["seed"] = seed_;

@@ -1,6 +1,7 @@
 // The command line of a bench: what all benches take, and lists of values.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -50,7 +51,11 @@ public:
     const Bench &bench() const { return bench_; }
     CommandLine &line() { return line_; }
     const std::vector<std::string> &scenarios() const { return scenarios_; }
-    const std::string &policy() const { return policy_; }
+    // After parsing: by its name or its file as given, and opened once for all that plan with it.
+    const std::string &given_policy() const { return policy_; }
+    const std::shared_ptr<const pkc_policy> &policy() const { return opened_policy_; }
+    // For people: of a file its name alone.
+    std::string policy_name() const;
     uint64_t seed() const { return seed_; }
     unsigned threads() const { return static_cast<unsigned>(threads_); }
     bool json() const { return json_; }
@@ -75,6 +80,7 @@ private:
     std::string notes_;
     std::vector<std::string> scenarios_;
     std::string policy_;
+    std::shared_ptr<const pkc_policy> opened_policy_;
     std::string method_ = "exact";
     bool has_method_ = false;
     bool has_budget_ms_ = false;

@@ -57,10 +57,10 @@ public:
     }
 
 private:
-    size_t configure(const std::string &scenario, bool rotation, const std::string &policy,
-                     uint64_t bins) {
+    size_t configure(const std::string &scenario, bool rotation, const std::string &name,
+                     const std::shared_ptr<const pkc_policy> &policy, uint64_t bins) {
         Configuration configuration;
-        configuration.name = scenario + (rotation ? " rotation " : " ") + policy;
+        configuration.name = scenario + (rotation ? " rotation " : " ") + name;
         configuration.options = line_.pack_options(scenario, rotation, PKC_REPACK_OFF);
         configuration.policy = policy;
         configuration.work = work_;
@@ -71,7 +71,8 @@ private:
 
     void add_cell(const std::string &scenario, bool rotation) {
         Cell cell{scenario, rotation, 0, {}};
-        cell.planned = configure(scenario, rotation, line_.policy(), arguments_.bins);
+        cell.planned =
+            configure(scenario, rotation, line_.policy_name(), line_.policy(), arguments_.bins);
         cells_.push_back(std::move(cell));
     }
 
@@ -79,10 +80,11 @@ private:
         if (!arguments_.baselines) return;
         for (const std::string &policy : policies_) {
             const bool is_planned =
-                policy == line_.policy() && arguments_.bins >= arguments_.baseline_bins;
-            cell.policies.push_back(is_planned ? cell.planned
-                                               : configure(cell.scenario, cell.rotation, policy,
-                                                           arguments_.baseline_bins));
+                policy == line_.given_policy() && arguments_.bins >= arguments_.baseline_bins;
+            cell.policies.push_back(is_planned
+                                        ? cell.planned
+                                        : configure(cell.scenario, cell.rotation, policy,
+                                                    make_policy(policy), arguments_.baseline_bins));
         }
     }
 

@@ -77,8 +77,7 @@ private:
 };
 
 void pack(Configuration &configuration, const BinDone &bin_done) {
-    const PolicyHandle policy = make_policy(configuration.policy);
-    EpisodeRunner runner(configuration.options, policy.get());
+    EpisodeRunner runner(configuration.options, configuration.policy.get());
     Figures &figures = configuration.figures;
     bool go_on = true;
     for (const Instance &instance : *configuration.work) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ void run_jobs(const std::vector<Job> &jobs, unsigned threads, const std::string 
 struct Configuration {
     std::string name;
     PackOptions options;
-    std::string policy;
+    std::shared_ptr<const pkc_policy> policy;  // shared by those that plan with it
     Workload work;
     int64_t bins = 0;  // to be packed; of a stream its first ones
     Figures figures;

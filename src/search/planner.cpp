@@ -114,7 +114,7 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
 TreeOptions Planner::tree_options() const {
     TreeOptions tree;
     tree.policy = &policy();
-    tree.critic = policy().has_value(bin_);
+    tree.critic = options_.method == Method::kExact && policy().has_value(bin_);
     tree.rotation = options_.rotation;
     tree.merge = options_.method == Method::kExact && policy().by_occupancy();
     tree.select = pruning();

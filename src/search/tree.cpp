@@ -114,6 +114,7 @@ int TreeSearch::position_of(Size size) {
 
 // The last item's position is the policy's own; above, leaves are ranked by what came of it.
 Effort TreeSearch::effort() const {
+    if (!options_.critic) return Effort::kUsual;
     if (view_->count() == 1) return Effort::kHigh;
     const bool last = static_cast<int>(chi_length_) + 1 >= view_->count();
     return last ? Effort::kUsual : Effort::kLow;

@@ -104,6 +104,15 @@ gives 'random: one robot packs one item a step' \
 gives 'random: a scenario and a policy that the paper has not' \
     'rows[0]["utilization_percent"]["paper"] is None' \
     random --bins 2 --scenario D-R3A2O1 --baselines off --policy skyline
+weights=$source/src/policy/weights/a3c.pkw
+gives 'random: a policy by its file, for several threads' \
+    'b["complete"] and b["configuration"]["policy"].endswith("/a3c.pkw")
+     and [row["bins"] for row in rows] == [3, 3]
+     and all(0 < row["utilization_percent"]["mean"] <= 100 for row in rows)' \
+    random --bins 3 --scenario S-R1A1 --baselines off --policy "$weights" --threads 2
+shows 'random: the name of a policy from a file' 100 \
+    random --bins 2 --scenario S-R1A1 --baselines off --policy "$weights"
+grep -q 'policy a3c,' "$work/text" || fail "random: no name of the file's policy"
 gives 'full: sets are full with repacking' \
     'len(rows) == 24 and all(row["full_bins"]["ours"] == 3 for row in rows if row["repack"])
      and all(row["repacked_items"]["ours"] == 0 for row in rows if not row["repack"])
@@ -162,6 +171,13 @@ refuses "--scenario: " random --scenario ''
 refuses "--rotation 'maybe': must be one of on, off, both" random --rotation maybe
 refuses "--method 'best': must be one of" random --method best
 refuses "--policy 'best': must be one of default, contact" full --policy best
+echo 'no blob' >"$work/bad.pkw"
+for name in random full repack-time selection bound offline large; do
+    expect_error 1 '^packcell-bench: .*/bad\.pkw' "$name: a file without a policy" \
+        "$bench" "$name" --policy "$work/bad.pkw"
+done
+expect_error 1 '^packcell-bench: .*/none\.pkw' 'no such file' \
+    "$bench" random --policy "$work/none.pkw"
 refuses "--preset 'tables': must be one of" full --preset tables
 refuses "--budget-ms 'nan': must be" large --budget-ms nan
 refuses "--budget-nodes '-1': must be" random --budget-nodes=-1
