@@ -1,8 +1,10 @@
 // Table (a) of the paper: Random streams without repacking.
+#include <memory>
 #include <utility>
 
 #include "bench/paper_figures.hpp"
 #include "bench/report.hpp"
+#include "common/handles.hpp"
 #include "common/interrupt.hpp"
 #include "common/packing_options.hpp"
 
