@@ -79,7 +79,7 @@ private:
     std::vector<uint16_t> window_class_;  // by pattern
     std::vector<uint16_t> row_class_;     // by pattern: the smaller of it and its mirror image
     std::vector<uint16_t> column_class_;
-    // paths_[i][j]: staircases that go on from the i-th side with j more sizes to lose
+    // paths_[i][j]: staircases of the sides from the i-th on whose heights are at most j
     std::array<std::array<uint32_t, kMostItemSide + 2>, kMostItemSide + 2> paths_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "policy/contact.h"
 #include "policy/weights.h"
@@ -24,11 +25,14 @@ namespace packcell {
 
 namespace {
 
-// Asks the learned policy, or its session, about bins that it was trained for.
-class DefaultSession : public Policy {
+// Asks the learned policy, or a session of it, about bins that it was trained for, and the contact
+// reward about all others.
+template <class Base, class Pointer>
+class ByBin : public Base {
 public:
-    DefaultSession(std::unique_ptr<const Policy> learned, int w, int h)
-        : learned_(std::move(learned)), w_(w), h_(h) {}
+    template <class... BaseArguments>
+    ByBin(Pointer learned, int w, int h, BaseArguments &&...base)
+        : Base(std::forward<BaseArguments>(base)...), learned_(std::move(learned)), w_(w), h_(h) {}
 
     int select(const Bin &bin, Size size) const override { return for_bin(bin).select(bin, size); }
     int select(const Bin &bin, Size size, Effort effort) const override {
@@ -41,7 +45,11 @@ public:
     float value(const Bin &bin, Effort effort) const override {
         return for_bin(bin).value(bin, effort);
     }
+    void check_bin(int, int) const override {}
     const char *name() const override { return "default"; }
+
+protected:
+    const Policy &learned() const { return *learned_; }
 
 private:
     const Policy &for_bin(const Bin &bin) const {
@@ -49,40 +57,23 @@ private:
         return contact_;
     }
 
-    std::unique_ptr<const Policy> learned_;
+    Pointer learned_;
     ContactPolicy contact_;
     int w_;
     int h_;
 };
 
-class DefaultPolicy : public LearnedPolicy {
+using DefaultSession = ByBin<Policy, std::unique_ptr<const Policy>>;
+
+class DefaultPolicy : public ByBin<LearnedPolicy, std::shared_ptr<const Policy>> {
 public:
     explicit DefaultPolicy(const Weights &weights)
-        : LearnedPolicy(weights), learned_(make_learned_policy(weights)) {}
-
-    int select(const Bin &bin, Size size) const override { return for_bin(bin).select(bin, size); }
-    void evaluate(const Bin &bin, Size size, Evaluation &out) const override {
-        for_bin(bin).evaluate(bin, size, out);
-    }
-    bool has_value(const Bin &bin) const override { return for_bin(bin).has_value(bin); }
-    float value(const Bin &bin, Effort effort) const override {
-        return for_bin(bin).value(bin, effort);
-    }
-    void check_bin(int, int) const override {}
+        : ByBin(make_learned_policy(weights), weights.bin_w, weights.bin_h, weights) {}
 
     std::unique_ptr<const Policy> session(const SessionOptions &options) const override {
-        return std::make_unique<const DefaultSession>(learned_->session(options), weights().bin_w,
+        return std::make_unique<const DefaultSession>(learned().session(options), weights().bin_w,
                                                       weights().bin_h);
     }
-
-private:
-    const Policy &for_bin(const Bin &bin) const {
-        if (bin.w() == weights().bin_w && bin.h() == weights().bin_h) return *learned_;
-        return contact_;
-    }
-
-    std::shared_ptr<const Policy> learned_;
-    ContactPolicy contact_;
 };
 
 }  // namespace
