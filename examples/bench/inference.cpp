@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -93,57 +94,68 @@ Pairs make_pairs(int32_t w, int32_t h, uint64_t seed) {
 
 struct Measured {
     uint64_t evaluations = 0;
-    double microseconds = 0;  // of one, the mean
-    double fastest = 0;       // of one, in the fastest round
+    double seconds = 0;
+    double fastest = 0;  // microseconds of one, in the fastest round
+
+    double microseconds() const { return seconds * 1e6 / static_cast<double>(evaluations); }
 };
 
+// What is held against each other takes turns, so that both meet the same disturbances.
+constexpr int kTurns = 10;
+
 // Runs rounds over all pairs for so long.
-template <typename Round>
-Measured measure_rounds(const Round &round, double seconds) {
+void measure_turn(const std::function<void()> &round, double seconds, Measured &measured) {
     round();
-    Measured measured;
-    double total = 0;
-    while (total < seconds && interrupt_signal() == 0) {
+    const double until = measured.seconds + seconds;
+    while (measured.seconds < until && interrupt_signal() == 0) {
         const Clock::time_point start = Clock::now();
         round();
         const double took = std::chrono::duration<double>(Clock::now() - start).count();
         const double each = took * 1e6 / static_cast<double>(kPairs);
         if (measured.evaluations == 0 || each < measured.fastest) measured.fastest = each;
         measured.evaluations += kPairs;
-        total += took;
+        measured.seconds += took;
     }
-    if (measured.evaluations > 0) {
-        measured.microseconds = total * 1e6 / static_cast<double>(measured.evaluations);
-    }
-    return measured;
 }
 
-Measured measure(const pkc_policy *policy, const Pairs &pairs, int32_t cells, size_t batch,
-                 double seconds) {
-    std::vector<float> probabilities(kPairs * (static_cast<size_t>(cells) + 1));
-    std::vector<float> values(kPairs);
-    return measure_rounds(
-        [&] {
-            for (size_t i = 0; i < kPairs; i += batch) {
-                if (batch == 1) {
-                    size_t count = 0;
-                    check(pkc_policy_evaluate(policy, pairs.bins[i], pairs.sizes[2 * i],
-                                              pairs.sizes[2 * i + 1], nullptr, probabilities.data(),
-                                              probabilities.size(), &count, values.data()));
-                } else {
-                    check(pkc_policy_evaluate_batch(policy, pairs.bins.data() + i,
-                                                    pairs.sizes.data() + 2 * i, batch, nullptr,
-                                                    probabilities.data(), values.data()));
-                }
+// All pairs, so many in a call.
+class OurRound {
+public:
+    OurRound(const pkc_policy *policy, const Pairs &pairs, size_t actions, size_t batch)
+        : policy_(policy),
+          pairs_(pairs),
+          batch_(batch),
+          probabilities_(kPairs * actions),
+          values_(kPairs) {}
+
+    void run() {
+        for (size_t i = 0; i < kPairs; i += batch_) {
+            if (batch_ == 1) {
+                size_t count = 0;
+                check(pkc_policy_evaluate(policy_, pairs_.bins[i], pairs_.sizes[2 * i],
+                                          pairs_.sizes[2 * i + 1], nullptr, probabilities_.data(),
+                                          probabilities_.size(), &count, values_.data()));
+            } else {
+                check(pkc_policy_evaluate_batch(policy_, pairs_.bins.data() + i,
+                                                pairs_.sizes.data() + 2 * i, batch_, nullptr,
+                                                probabilities_.data(), values_.data()));
             }
-        },
-        seconds);
-}
+        }
+    }
 
-// libtorch's time for the same, the mean of one, and by how much its outputs differ from ours.
-struct Compared {
-    double microseconds = 0;
-    double difference = 0;
+private:
+    const pkc_policy *policy_;
+    const Pairs &pairs_;
+    size_t batch_;
+    std::vector<float> probabilities_;
+    std::vector<float> values_;
+};
+
+// libtorch doing the same, and by how much what it found differs from ours; both empty where there
+// is no such comparison.
+struct Rival {
+    std::function<void()> run;
+    std::function<double()> difference;
 };
 
 #ifdef PACKCELL_TORCH
@@ -151,8 +163,8 @@ struct Compared {
 constexpr const char *kTorchNote =
     "libtorch: the same network of its operators on one thread, fed with ready tensors and giving "
     "logits and values; ours starts from the bin and gives probabilities. Ratio: libtorch's mean "
-    "time over ours; it depends much on the BLAS that libtorch finds. Difference: the largest of "
-    "logits and values, relative above 1.";
+    "time over ours, both taking turns; it depends much on the BLAS that libtorch finds. "
+    "Difference: the largest of logits and values, relative above 1.";
 
 std::vector<uint8_t> saved(const pkc_policy *policy) {
     std::vector<uint8_t> blob;
@@ -190,14 +202,13 @@ double largest_difference(const pkc_policy *policy, const Pairs &pairs, size_t a
     return most;
 }
 
-// Nothing for what is no network.
-std::optional<Compared> compare_with_torch(const pkc_policy *policy, const Pairs &pairs, int32_t w,
-                                           int32_t h, size_t batch, double seconds) {
+// Empty for what is no network.
+Rival make_rival(const pkc_policy *policy, const Pairs &pairs, int32_t w, int32_t h, size_t batch) {
     auto info = initialised(pkc_policy_info_init);
     check(pkc_policy_get_info(policy, &info));
     if (info.architecture != PKC_ARCH_ACTOR_CRITIC &&
         info.architecture != PKC_ARCH_FULLY_CONVOLUTIONAL) {
-        return std::nullopt;
+        return {};
     }
     const size_t size = static_cast<size_t>(w) * static_cast<size_t>(h);
     std::vector<uint8_t> taken;
@@ -207,26 +218,51 @@ std::optional<Compared> compare_with_torch(const pkc_policy *policy, const Pairs
         check(pkc_bin_cells(bin, cells.data(), size, &count));
         for (const int32_t cell : cells) taken.push_back(cell == PKC_CELL_FREE ? 0 : 1);
     }
-    TorchReference torch(saved(policy));
-    torch.set_pairs(w, h, taken, pairs.sizes, batch);
-    const Measured measured = measure_rounds([&] { torch.run(); }, seconds);
-    if (measured.evaluations == 0) return std::nullopt;
-    return Compared{measured.microseconds, largest_difference(policy, pairs, size + 1, torch)};
+    const auto torch = std::make_shared<TorchReference>(saved(policy));
+    torch->set_pairs(w, h, taken, pairs.sizes, batch);
+    return {[torch] { torch->run(); },
+            [=, &pairs] { return largest_difference(policy, pairs, size + 1, *torch); }};
 }
 
 #else
 
 constexpr const char *kTorchNote =
-    "Without the comparison with libtorch, for this packcell-bench was built without "
-    "PACKCELL_TORCH.";
+    "For libtorch's times beside ours configure with cmake -DPACKCELL_TORCH=ON (Debian: "
+    "libtorch-dev).";
 
-std::optional<Compared> compare_with_torch(const pkc_policy * /*policy*/, const Pairs & /*pairs*/,
-                                           int32_t /*w*/, int32_t /*h*/, size_t /*batch*/,
-                                           double /*seconds*/) {
-    return std::nullopt;
+Rival make_rival(const pkc_policy * /*policy*/, const Pairs & /*pairs*/, int32_t /*w*/,
+                 int32_t /*h*/, size_t /*batch*/) {
+    return {};
 }
 
 #endif
+
+// Nothing where an interrupt came too early.
+std::optional<Row> measured_row(const Network &network, const Pairs &pairs, int32_t w, int32_t h,
+                                size_t batch, double seconds) {
+    const size_t actions = static_cast<size_t>(w) * static_cast<size_t>(h) + 1;
+    OurRound our_round(network.policy.get(), pairs, actions, batch);
+    const Rival rival = make_rival(network.policy.get(), pairs, w, h, batch);
+    Measured ours;
+    Measured theirs;
+    for (int turn = 0; turn < kTurns; ++turn) {
+        measure_turn([&] { our_round.run(); }, seconds / kTurns, ours);
+        if (rival.run) measure_turn(rival.run, seconds / kTurns, theirs);
+    }
+    if (ours.evaluations == 0) return std::nullopt;
+    Row row;
+    row.key("network", network.name).key_number("batch", static_cast<double>(batch));
+    row.number("", "a second", "evaluations_per_second", 1e6 / ours.microseconds(), 0);
+    row.number("", "us each", "microseconds", ours.microseconds(), 2);
+    row.number("", "fastest, us", "fastest_microseconds", ours.fastest, 2);
+    if (theirs.evaluations == 0) return row;
+    const double mean = theirs.microseconds();
+    row.number("libtorch", "us each", "libtorch_microseconds", mean, 2);
+    row.number("libtorch", "fastest, us", "libtorch_fastest_microseconds", theirs.fastest, 2);
+    row.number("libtorch", "ratio", "libtorch_ratio", mean / ours.microseconds(), 2);
+    row.number("libtorch", "difference", "libtorch_difference", rival.difference(), 8);
+    return row;
+}
 
 int run(const BenchLine &line, const Arguments &arguments) {
     int32_t w = 0;
@@ -256,23 +292,9 @@ int run(const BenchLine &line, const Arguments &arguments) {
     Section &section = report.section("Evaluations");
     for (const Network &network : networks) {
         for (const size_t batch : kBatches) {
-            const Measured m =
-                measure(network.policy.get(), pairs, w * h, batch, arguments.seconds);
-            if (m.evaluations == 0) continue;
-            Row row;
-            row.key("network", network.name).key_number("batch", static_cast<double>(batch));
-            row.number("", "a second", "evaluations_per_second", 1e6 / m.microseconds, 0);
-            row.number("", "us each", "microseconds", m.microseconds, 2);
-            row.number("", "fastest, us", "fastest_microseconds", m.fastest, 2);
-            const std::optional<Compared> torch =
-                compare_with_torch(network.policy.get(), pairs, w, h, batch, arguments.seconds);
-            if (torch) {
-                row.number("libtorch", "us each", "libtorch_microseconds", torch->microseconds, 2);
-                row.number("libtorch", "ratio", "libtorch_ratio",
-                           torch->microseconds / m.microseconds, 2);
-                row.number("libtorch", "difference", "libtorch_difference", torch->difference, 8);
-            }
-            section.rows.push_back(std::move(row));
+            std::optional<Row> row = measured_row(network, pairs, w, h, batch, arguments.seconds);
+            if (!row) continue;
+            section.rows.push_back(std::move(*row));
             report.add_done(1);
         }
     }
@@ -286,8 +308,8 @@ int run_inference(const Bench &bench, int argc, const char *const *argv) {
     BenchLine line(bench);
     line.no_planner();
     line.note(
-        "Built with PACKCELL_TORCH (CMake), each row has libtorch's time beside ours and the\n"
-        "ratio of both; without, there is no such column.");
+        "With cmake -DPACKCELL_TORCH=ON (Debian: libtorch-dev) each row has libtorch's time\n"
+        "beside ours and the ratio of both.");
     line.line().text("--policy", arguments.policy, "NAME|FILE",
                      "a learned one; default untrained networks");
     line.line().text("--bin", arguments.bin, "WxH", "the bin, in cells");

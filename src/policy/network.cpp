@@ -6,79 +6,44 @@ namespace packcell {
 
 namespace {
 
-using Vector = Eigen::VectorXf;
-using VectorMap = Eigen::Map<Vector>;
-using ConstVectorMap = Eigen::Map<const Vector>;
-using ColumnMajor = Eigen::Map<const Eigen::MatrixXf>;
-
-// out += the rows of `weight` (inputs x outputs), each times its input; inputs that are 0, as about
-// half are after ReLU, cost nothing.
-template <int Block>
-void add_rows(const float *weight, int outputs, int from, const float *in, const int *active,
-              int count, float *out) {
-    using Array = Eigen::Array<float, Block, 1>;
-    Array sum = Eigen::Map<const Array>(out + from);
-    for (int k = 0; k < count; ++k) {
-        const int i = active[k];
-        sum += in[i] * Eigen::Map<const Array>(weight + i * outputs + from);
-    }
-    std::copy_n(sum.data(), Block, out + from);
-}
-
-void add_product(const float *weight, int inputs, int outputs, const float *in, float *out,
-                 int *active) {
-    int count = 0;
-    for (int i = 0; i < inputs; ++i) {
-        active[count] = i;
-        count += in[i] != 0.0f ? 1 : 0;
-    }
-    int from = 0;
-    for (; from + 32 <= outputs; from += 32) {
-        add_rows<32>(weight, outputs, from, in, active, count, out);
-    }
-    for (; from + 4 <= outputs; from += 4) {
-        add_rows<4>(weight, outputs, from, in, active, count, out);
-    }
-    for (; from < outputs; ++from) {
-        add_rows<1>(weight, outputs, from, in, active, count, out);
-    }
-}
+using VectorMap = Eigen::Map<Eigen::VectorXf>;
+using ConstVectorMap = Eigen::Map<const Eigen::VectorXf>;
 
 void relu(float *values, int count) {
     VectorMap map(values, count);
     map = map.cwiseMax(0.0f);
 }
 
-// A 3x3 convolution with ReLU of cells two apart, what lies outside counting 0.
-template <int Channels>
-void convolve_wide(const float *weight, const float *bias, int channels, int w, int h,
-                   const float *in, float *out) {
-    constexpr int kMost = Channels == Eigen::Dynamic ? kMostChannels : Channels;
-    using Array = Eigen::Array<float, Channels, 1, 0, kMost, 1>;
-    using Map = Eigen::Map<const Array>;
-    for (int y = 0; y < h; ++y) {
-        for (int x = 0; x < w; ++x, out += channels) {
-            Array sum = Map(bias, channels);
-            for (int tap = 0; tap < kTaps; ++tap) {
-                const int tx = x + (tap % 3 - 1) * 2;
-                const int ty = y + (tap / 3 - 1) * 2;
-                if (tx < 0 || tx >= w || ty < 0 || ty >= h) continue;
-                const float *cell = in + (ty * w + tx) * channels;
-                const float *row = weight + tap * channels * channels;
-                for (int i = 0; i < channels; ++i, row += channels) {
-                    sum += cell[i] * Map(row, channels);
-                }
-            }
-            sum = sum.max(0.0f);
-            std::copy_n(sum.data(), channels, out);
-        }
+void repeat(const float *row, int count, int times, float *out) {
+    for (int k = 0; k < times; ++k) out = std::copy_n(row, count, out);
+}
+
+// The product of two vectors as four sums side by side, which are joined at the end.
+float product(const float *a, const float *b, int count) {
+    using Four = Eigen::Map<const Eigen::Array4f>;
+    Eigen::Array4f sums = Eigen::Array4f::Zero();
+    int i = 0;
+    for (; i + 4 <= count; i += 4) sums += Four(a + i) * Four(b + i);
+    float sum = (sums[0] + sums[2]) + (sums[1] + sums[3]);
+    for (; i < count; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+int wide_row(int w, int channels) { return (w + 2 * kWideMargin) * channels; }
+
+// What the wide convolutions find beside each row.
+void clear_margins(int w, int h, int channels, float *wide) {
+    const int margin = kWideMargin * channels;
+    for (int y = 0; y < h; ++y, wide += wide_row(w, channels)) {
+        std::fill_n(wide, margin, 0.0f);
+        std::fill_n(wide + margin + w * channels, margin, 0.0f);
     }
 }
 
 }  // namespace
 
-Network::Network(const NetworkShape &shape, const float *parameters)
-    : shape_(shape), tensors_(network_tensors(shape)) {
+Network::Network(const NetworkShape &shape, const float *parameters, const NetworkKernels &kernels)
+    : shape_(shape), tensors_(network_tensors(shape)), kernels_(kernels) {
     set_parameters(parameters);
 }
 
@@ -88,17 +53,18 @@ void Network::set_parameters(const float *parameters) {
                   tensor("conv2.weight"), tensor("conv2.bias"));
 }
 
-void Network::prepare(int w, int h, Scratch &s) const {
+void Network::prepare(int w, int h, Scratch &s, int samples) const {
     const auto grow = [](auto &vector, int size) {
         if (vector.size() < static_cast<size_t>(size)) vector.resize(static_cast<size_t>(size));
     };
+    const bool cells = shape_.architecture == Architecture::kFullyConvolutional;
     const int map = w * h * shape_.channels;
     grow(s.patterns, w * h);
-    for (auto &cells : s.cells) grow(cells, map);
-    grow(s.hidden, std::max(shape_.hidden, shape_.features));
-    grow(s.size, size_inputs(shape_));
+    grow(s.map, cells ? map : map * samples);
+    for (auto &wide : s.wide) grow(wide, cells ? wide_row(w, shape_.channels) * h : 0);
+    grow(s.hidden, std::max(shape_.hidden, shape_.features) * samples);
+    grow(s.sizes, size_inputs(shape_) * samples);
     grow(s.bias, shape_.channels);
-    grow(s.active, std::max({map, size_inputs(shape_), shape_.hidden, shape_.features}));
 }
 
 size_t Network::encoding_size(int w, int h) const {
@@ -107,81 +73,98 @@ size_t Network::encoding_size(int w, int h) const {
                                    : w * h * shape_.channels);
 }
 
-void Network::encode(const Bin &bin, float *encoding, Scratch &s) const {
-    find_patterns(bin, s.patterns.data());
-    if (shape_.architecture == Architecture::kFullyConvolutional) {
-        tables_.convolve(s.patterns.data(), bin.w(), bin.h(), 0, encoding);
+void Network::encode(const Bin *const *bins, int samples, float *encodings, Scratch &s) const {
+    const bool cells = shape_.architecture == Architecture::kFullyConvolutional;
+    const int margin = cells ? 0 : 1;
+    const int w = bins[0]->w() - 2 * margin;
+    const int h = bins[0]->h() - 2 * margin;
+    const int map = w * h * shape_.channels;
+    float *maps = cells ? encodings : s.map.data();
+    for (int k = 0; k < samples; ++k) {
+        find_patterns(*bins[k], s.patterns.data());
+        tables_.convolve(s.patterns.data(), bins[k]->w(), bins[k]->h(), margin, maps + k * map);
+    }
+    if (cells) return;
+    float *features = s.hidden.data();
+    repeat(tensor("encoder.bias"), shape_.features, samples, features);
+    add_products("encoder.weight", map, shape_.features, maps, features, samples);
+    relu(features, shape_.features * samples);
+    // The joining layer's sum over the features: the item's share is added for each item.
+    repeat(tensor("join.bias"), shape_.hidden, samples, encodings);
+    add_products("join.weight", shape_.features, shape_.hidden, features, encodings, samples);
+}
+
+void Network::evaluate(int w, int h, const float *const *encodings, const Size *sizes, int samples,
+                       float *logits, float *values, Scratch &s) const {
+    const int inputs = size_inputs(shape_);
+    for (int k = 0; k < samples; ++k) encode_size(shape_, sizes[k], s.sizes.data() + k * inputs);
+    if (shape_.architecture == Architecture::kActorCritic) {
+        read_maps(encodings, samples, logits, values, s);
         return;
     }
-    float *map = s.cells[0].data();
-    tables_.convolve(s.patterns.data(), bin.w(), bin.h(), 1, map);
-    float *features = s.hidden.data();
-    std::copy_n(tensor("encoder.bias"), shape_.features, features);
-    add_product(tensor("encoder.weight"), (bin.w() - 2) * (bin.h() - 2) * shape_.channels,
-                shape_.features, map, features, s.active.data());
-    relu(features, shape_.features);
-    // The joining layer's sum over the features: the item's share is added for each item.
-    std::copy_n(tensor("join.bias"), shape_.hidden, encoding);
-    add_product(tensor("join.weight"), shape_.features, shape_.hidden, features, encoding,
-                s.active.data());
-}
-
-void Network::evaluate(int w, int h, const float *encoding, Size size, float *logits, float *value,
-                       Scratch &s) const {
-    encode_size(shape_, size, s.size.data());
-    if (shape_.architecture == Architecture::kActorCritic) {
-        read_map(encoding, logits, value, s);
-    } else {
-        read_cells(w, h, encoding, logits, value, s);
+    // The weights are few and stay in the first cache: there is nothing that bins could share.
+    for (int k = 0; k < samples; ++k) {
+        read_cells(w, h, encodings[k], s.sizes.data() + k * inputs, logits + k * (w * h + 1),
+                   values + k, s);
     }
 }
 
-void Network::read_map(const float *encoding, float *logits, float *value, Scratch &s) const {
+void Network::read_maps(const float *const *encodings, int samples, float *logits, float *values,
+                        Scratch &s) const {
     const int hidden = shape_.hidden;
     const int actions = shape_.bin_w * shape_.bin_h + 1;
     float *joined = s.hidden.data();
-    std::copy_n(encoding, hidden, joined);
-    add_product(tensor("join.size"), size_inputs(shape_), hidden, s.size.data(), joined,
-                s.active.data());
-    relu(joined, hidden);
-    std::copy_n(tensor("actor.bias"), actions, logits);
-    add_product(tensor("actor.weight"), hidden, actions, joined, logits, s.active.data());
-    *value = *tensor("critic.bias") +
-             ConstVectorMap(tensor("critic.weight"), hidden).dot(VectorMap(joined, hidden));
+    for (int k = 0; k < samples; ++k) std::copy_n(encodings[k], hidden, joined + k * hidden);
+    add_products("join.size", size_inputs(shape_), hidden, s.sizes.data(), joined, samples);
+    relu(joined, hidden * samples);
+    repeat(tensor("actor.bias"), actions, samples, logits);
+    add_products("actor.weight", hidden, actions, joined, logits, samples);
+    const ConstVectorMap critic(tensor("critic.weight"), hidden);
+    for (int k = 0; k < samples; ++k) {
+        values[k] = *tensor("critic.bias") + critic.dot(VectorMap(joined + k * hidden, hidden));
+    }
 }
 
-void Network::read_cells(int w, int h, const float *encoding, float *logits, float *value,
-                         Scratch &s) const {
+// Leaves the last convolution's output in the map.
+void Network::convolve_cells(int w, int h, const float *encoding, const float *size,
+                             Scratch &s) const {
     const int channels = shape_.channels;
-    const int cells = w * h;
-    const float *in = encoding;
-    float *out = s.cells[0].data();
+    const int row = wide_row(w, channels);
+    for (auto &wide : s.wide) clear_margins(w, h, channels, wide.data());
+    float *in = s.wide[0].data();
+    for (int y = 0; y < h; ++y) {
+        std::copy_n(encoding + y * w * channels, w * channels,
+                    in + y * row + kWideMargin * channels);
+    }
     for (const bool last : {false, true}) {
         std::copy_n(tensor(last ? "conv4.bias" : "conv3.bias"), channels, s.bias.data());
-        add_product(tensor(last ? "conv4.size" : "conv3.size"), size_inputs(shape_), channels,
-                    s.size.data(), s.bias.data(), s.active.data());
+        add_products(last ? "conv4.size" : "conv3.size", size_inputs(shape_), channels, size,
+                     s.bias.data(), 1);
         const float *weight = tensor(last ? "conv4.weight" : "conv3.weight");
-        if (channels == 16) {
-            convolve_wide<16>(weight, s.bias.data(), channels, w, h, in, out);
-        } else {
-            convolve_wide<Eigen::Dynamic>(weight, s.bias.data(), channels, w, h, in, out);
-        }
-        in = out;
-        out = s.cells[1].data();
+        float *out = last ? s.map.data() : s.wide[1].data() + kWideMargin * channels;
+        const int out_row = last ? w * channels : row;
+        kernels_.convolve_wide({weight, s.bias.data(), channels, w, h, out_row}, in, out);
+        in = s.wide[1].data();
     }
+}
 
-    VectorMap mean(s.bias.data(), channels);
-    const Eigen::Map<const Eigen::MatrixXf> map(in, channels, cells);
-    VectorMap(logits, cells).noalias() =
-        map.transpose() * ConstVectorMap(tensor("actor.weight"), channels);
-    VectorMap(logits, cells).array() += *tensor("actor.bias");
-    mean = map.rowwise().mean();
-    float *joined = s.hidden.data();
+void Network::read_cells(int w, int h, const float *encoding, const float *size, float *logits,
+                         float *value, Scratch &s) const {
+    convolve_cells(w, h, encoding, size, s);
+    const int channels = shape_.channels;
     const int hidden = shape_.hidden;
+    const int cells = w * h;
+    const float *actor = tensor("actor.weight");
+    const float bias = *tensor("actor.bias");
+    for (int i = 0; i < cells; ++i) {
+        logits[i] = product(s.map.data() + i * channels, actor, channels) + bias;
+    }
+    VectorMap mean(s.bias.data(), channels);
+    mean = Eigen::Map<const Eigen::MatrixXf>(s.map.data(), channels, cells).rowwise().mean();
+    float *joined = s.hidden.data();
     std::copy_n(tensor("head.bias"), hidden, joined);
-    add_product(tensor("head.weight"), channels, hidden, mean.data(), joined, s.active.data());
-    add_product(tensor("head.size"), size_inputs(shape_), hidden, s.size.data(), joined,
-                s.active.data());
+    add_products("head.weight", channels, hidden, mean.data(), joined, 1);
+    add_products("head.size", size_inputs(shape_), hidden, size, joined, 1);
     relu(joined, hidden);
     const VectorMap units(joined, hidden);
     logits[cells] =

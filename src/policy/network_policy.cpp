@@ -7,6 +7,7 @@
 
 #include "base/random.h"
 #include "base/status.h"
+#include "policy/network_batch.h"
 
 namespace packcell {
 
@@ -26,15 +27,7 @@ uint64_t key_of(const Bin &bin, Size size) {
 void fill_evaluation(const float *logits, int actions, float value, Evaluation &out) {
     out.logits.assign(logits, logits + actions);
     out.probabilities.resize(static_cast<size_t>(actions));
-    const float most = *std::max_element(logits, logits + actions);
-    float sum = 0;
-    for (int i = 0; i < actions; ++i) {
-        const auto n = static_cast<size_t>(i);
-        const bool masked = logits[i] <= kMaskedLogit;
-        out.probabilities[n] = masked ? 0.0f : std::exp(logits[i] - most);
-        sum += out.probabilities[n];
-    }
-    for (float &p : out.probabilities) p /= sum;
+    find_probabilities(logits, actions, out.probabilities.data());
     out.value = value;
 }
 
@@ -72,6 +65,12 @@ public:
         const float *logits = used.read(bin, size, value);
         fill_evaluation(logits, bin.cells() + 1, value, out);
     }
+    void evaluate_batch(const Question *questions, size_t count,
+                        const Answers &answers) const override {
+        if (count == 0) return;
+        check_bin(questions->bin->w(), questions->bin->h());
+        evaluate_network_batch(*network_, questions, count, answers);
+    }
     std::unique_ptr<const Policy> session(const SessionOptions &options) const override {
         return std::make_unique<NetworkSession>(name(), network_, options.max_side);
     }
@@ -106,6 +105,16 @@ int mask_logits(const Bin &bin, Size size, float *logits) {
     }
     if (best != cells) logits[cells] = kMaskedLogit;
     return best;
+}
+
+void find_probabilities(const float *logits, int actions, float *out) {
+    const float most = *std::max_element(logits, logits + actions);
+    float sum = 0;
+    for (int i = 0; i < actions; ++i) {
+        out[i] = logits[i] <= kMaskedLogit ? 0.0f : std::exp(logits[i] - most);
+        sum += out[i];
+    }
+    for (int i = 0; i < actions; ++i) out[i] /= sum;
 }
 
 NetworkReader::NetworkReader(std::shared_ptr<const Network> network, int max_side, Memory memory)

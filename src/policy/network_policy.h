@@ -17,6 +17,9 @@ constexpr float kMaskedLogit = -1e8f;
 // position that is left (the first one of equals): W * H only where there is no other.
 int mask_logits(const Bin &bin, Size size, float *logits);
 
+// The softmax of masked logits; what is masked gets 0.
+void find_probabilities(const float *logits, int actions, float *out);
+
 // One thread's use of a network: memory of its own, and what it found out, by the bin's hash.
 class NetworkReader {
 public:

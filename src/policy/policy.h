@@ -17,6 +17,19 @@ struct Evaluation {
     float value = 0;
 };
 
+// One of many that evaluate_batch() is asked.
+struct Question {
+    const Bin *bin;
+    Size size;
+};
+
+// Where its answers go, those to one question after those to the other; null where nobody asks.
+struct Answers {
+    int32_t *positions = nullptr;    // as select() gives them
+    float *probabilities = nullptr;  // W * H + 1 each
+    float *values = nullptr;
+};
+
 // What an answer may cost: kLow where a search asks thousands of times and ranks what comes of it,
 // kHigh where the answer is the whole decision of a step.
 enum class Effort { kLow, kUsual, kHigh };
@@ -43,6 +56,11 @@ public:
 
     // Throws kUnsupported for a policy that gives positions alone.
     virtual void evaluate(const Bin &bin, Size size, Evaluation &out) const;
+
+    // select() and evaluate() for many bins of equal sides at once, with the same results. Those of
+    // one bin are best next to each other.
+    virtual void evaluate_batch(const Question *questions, size_t count,
+                                const Answers &answers) const;
 
     // Whether value() tells such bins apart.
     virtual bool has_value(const Bin &) const { return false; }

@@ -280,6 +280,40 @@ void many_samples_at_once_give_what_each_gives_alone(void **) {
     }
 }
 
+// Channels that are and are not a multiple of the vectors, rows longer and shorter than the
+// neighbours that are reckoned together.
+const Case kWidthCases[] = {
+    {Architecture::kActorCritic, 4, 5, 1},          {Architecture::kActorCritic, 12, 9, 23},
+    {Architecture::kFullyConvolutional, 5, 5, 8},   {Architecture::kFullyConvolutional, 4, 9, 16},
+    {Architecture::kFullyConvolutional, 11, 6, 21}, {Architecture::kFullyConvolutional, 13, 2, 64}};
+
+// Where the processor has no wider vectors, both are the same.
+void all_widths_of_vectors_give_the_same_bits(void **) {
+    Random random(kSeed + 5);
+    for (const Case &c : kWidthCases) {
+        NetworkShape shape = shape_of(c.architecture, c.w, c.h, c.channels);
+        shape.features = 101;
+        shape.hidden = 77;
+        const auto parameters = random_parameters<float>(shape, random.next());
+        const size_t actions = static_cast<size_t>(c.w * c.h + 1);
+        std::vector<std::vector<float>> found;
+        const Bin bin = random_bin(random, c.w, c.h);
+        const Size size = random_size(random);
+        for (const VectorWidth width : {VectorWidth::kUsual, VectorWidth::kAvx}) {
+            const Network network(shape, parameters.data(), network_kernels(width));
+            Network::Scratch scratch;
+            network.prepare(c.w, c.h, scratch);
+            std::vector<float> encoding(network.encoding_size(c.w, c.h));
+            std::vector<float> outputs(actions + 1);
+            network.encode(bin, encoding.data(), scratch);
+            network.evaluate(c.w, c.h, encoding.data(), size, outputs.data(), &outputs[actions],
+                             scratch);
+            found.push_back(std::move(outputs));
+        }
+        assert_memory_equal(found[0].data(), found[1].data(), found[0].size() * sizeof(float));
+    }
+}
+
 // All weights 0 but a few, so that every number can be followed by eye.
 void a_network_small_enough_is_worked_out_by_hand(void **) {
     NetworkShape shape = shape_of(Architecture::kActorCritic, 3, 3, 1);
@@ -462,6 +496,96 @@ void a_session_selects_the_same_without_heap_whatever_it_remembers(void **) {
     }
 }
 
+struct BatchAnswers {
+    std::vector<int32_t> positions;
+    std::vector<float> probabilities;
+    std::vector<float> values;
+};
+
+BatchAnswers answer_together(const Policy &policy, const std::vector<Question> &questions) {
+    const auto actions = static_cast<size_t>(questions[0].bin->cells() + 1);
+    BatchAnswers a = {std::vector<int32_t>(questions.size()),
+                      std::vector<float>(questions.size() * actions),
+                      std::vector<float>(questions.size())};
+    policy.evaluate_batch(questions.data(), questions.size(),
+                          {a.positions.data(), a.probabilities.data(), a.values.data()});
+    return a;
+}
+
+void assert_answered_as_alone(const Policy &policy, const std::vector<Question> &questions) {
+    const BatchAnswers together = answer_together(policy, questions);
+    Evaluation alone;
+    const float *probabilities = together.probabilities.data();
+    for (size_t i = 0; i < questions.size(); ++i) {
+        const Question &q = questions[i];
+        policy.evaluate(*q.bin, q.size, alone);
+        assert_int_equal(together.positions[i], policy.select(*q.bin, q.size));
+        assert_memory_equal(&together.values[i], &alone.value, sizeof alone.value);
+        assert_memory_equal(probabilities, alone.probabilities.data(),
+                            alone.probabilities.size() * sizeof(float));
+        probabilities += alone.probabilities.size();
+    }
+}
+
+// Bins that stand once, that stand several times in a row, and that come back later; more of them
+// than are run together, and one alone.
+void questions_together_are_answered_bit_for_bit_as_alone(void **) {
+    Random random(kSeed + 6);
+    const auto run = [&](const Case &c, const Policy &policy) {
+        std::vector<Bin> bins;
+        for (int k = 0; k < 30; ++k) bins.push_back(random_bin(random, c.w, c.h));
+        std::vector<Question> questions;
+        for (int k = 0; k < 75; ++k) {
+            const Bin *again = k > 0 ? questions.back().bin : nullptr;
+            const bool stays = again != nullptr && random.below(3) == 0;
+            questions.push_back({stays ? again : &bins[random.below(bins.size())],
+                                 k == 0 ? Size{c.w, c.h} : random_size(random)});
+        }
+        assert_answered_as_alone(policy, questions);
+        assert_answered_as_alone(policy, {questions[7]});
+    };
+    for (const Case &c : kCases) {
+        const NetworkShape shape = shape_of(c.architecture, c.w, c.h, c.channels);
+        run(c, *make_network_policy(weights_of(shape, 9)));
+    }
+    // Large enough for one bin at a time.
+    const Case large = {Architecture::kFullyConvolutional, 40, 37, 16};
+    run(large,
+        *make_network_policy(weights_of(shape_of(large.architecture, 40, 37, large.channels), 10)));
+}
+
+void equal_logits_give_the_first_position_together_as_alone(void **) {
+    const NetworkShape shape = shape_of(Architecture::kActorCritic, 6, 5, 3);
+    Weights weights = weights_of(shape, 11);
+    for (Tensor &tensor : weights.tensors) std::fill(tensor.data.begin(), tensor.data.end(), 0.0f);
+    const auto policy = make_network_policy(std::move(weights));
+    Bin bin(6, 5);
+    bin.block({0, 0, 2, 1});
+    const std::vector<Question> questions = {{&bin, {1, 1}}, {&bin, {6, 5}}, {&bin, {3, 2}}};
+    const BatchAnswers together = answer_together(*policy, questions);
+    assert_int_equal(together.positions[0], 2);
+    assert_int_equal(together.positions[1], 30);
+    assert_int_equal(together.positions[2], 2);
+    assert_answered_as_alone(*policy, questions);
+}
+
+void answers_that_nobody_asks_for_are_left_out(void **) {
+    const NetworkShape shape = shape_of(Architecture::kActorCritic, 6, 5, 3);
+    const auto policy = make_network_policy(weights_of(shape, 12));
+    const Bin bin(6, 5);
+    const std::vector<Question> questions = {{&bin, {1, 1}}, {&bin, {2, 4}}};
+    const BatchAnswers all = answer_together(*policy, questions);
+    int32_t positions[2] = {-1, -1};
+    float values[2] = {};
+    policy->evaluate_batch(questions.data(), 2, {positions, nullptr, nullptr});
+    policy->evaluate_batch(questions.data(), 2, {nullptr, nullptr, values});
+    policy->evaluate_batch(questions.data(), 0, {positions, nullptr, values});
+    for (size_t i = 0; i < 2; ++i) {
+        assert_int_equal(positions[i], all.positions[i]);
+        assert_true(values[i] == all.values[i]);
+    }
+}
+
 void weights_go_through_a_blob_unchanged(void **) {
     for (const Case &c : kCases) {
         const NetworkShape shape = shape_of(c.architecture, c.w, c.h, c.channels);
@@ -510,10 +634,14 @@ int main() {
     const CMUnitTest tests[] = {
         cmocka_unit_test(the_outputs_are_those_of_the_layers_read_plainly),
         cmocka_unit_test(many_samples_at_once_give_what_each_gives_alone),
+        cmocka_unit_test(all_widths_of_vectors_give_the_same_bits),
         cmocka_unit_test(a_network_small_enough_is_worked_out_by_hand),
         cmocka_unit_test(the_gradient_agrees_with_finite_differences),
         cmocka_unit_test(the_mask_leaves_feasible_positions_and_else_nowhere),
         cmocka_unit_test(a_session_selects_the_same_without_heap_whatever_it_remembers),
+        cmocka_unit_test(questions_together_are_answered_bit_for_bit_as_alone),
+        cmocka_unit_test(equal_logits_give_the_first_position_together_as_alone),
+        cmocka_unit_test(answers_that_nobody_asks_for_are_left_out),
         cmocka_unit_test(weights_go_through_a_blob_unchanged),
         cmocka_unit_test(tensors_that_make_no_network_are_refused),
     };
