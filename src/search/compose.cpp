@@ -4,8 +4,8 @@
 
 namespace packcell {
 
-StepComposer::StepComposer(int max_side, size_t max_items)
-    : after_(max_side, max_side, max_items + kMaxKnown) {
+StepComposer::StepComposer(int max_side, size_t max_items, bool balance)
+    : after_(max_side, max_side, max_items + kMaxKnown), balance_(balance) {
     belt_.reserve(2 * kMaxKnown);
     actions_.reserve(kMaxActions);
 }
@@ -81,7 +81,17 @@ void StepComposer::add_greedy(const Policy &policy, bool rotation) {
     pack({k.item, best.x, best.y, best.rot}, arm);
 }
 
+// In their order otherwise, and without the heap that std::stable_partition may use.
+void StepComposer::take_exclusive_first() {
+    auto end = belt_.begin();
+    for (auto t = belt_.begin(); t != belt_.end(); ++t) {
+        const int arms = (*view_)[t->known].arms;
+        if (arms == 1 || arms == 2) std::rotate(end++, t, t + 1);
+    }
+}
+
 int StepComposer::pack_picks() {
+    if (balance_ && view_->whole_belt) take_exclusive_first();
     const Picks picks = choose_picks(*view_, belt_.data(), static_cast<int>(belt_.size()));
     for (int i = 0; i < picks.count; ++i) {
         const Tuple &t = belt_[static_cast<size_t>(picks.tuple[i])];

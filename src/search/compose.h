@@ -20,7 +20,9 @@ enum class Skip { kNone, kFirst, kAll };
 
 class StepComposer {
 public:
-    StepComposer(int max_side, size_t max_items);
+    // `balance`: once the whole belt is known, items that one arm alone reaches go first, so that
+    // both arms have work until the end. The paper goes by depth to the last.
+    StepComposer(int max_side, size_t max_items, bool balance);
 
     // Begins a step; `bin` and `view` must stay as they are.
     void start(const Bin &bin, const View &view);
@@ -44,6 +46,7 @@ public:
 
 private:
     void pack(const Placement &p, int arm);
+    void take_exclusive_first();
     int pack_picks();
     void add_skips(Skip skip, bool rotation);
     bool has_position(const Item &item, bool rotation) const;
@@ -51,6 +54,7 @@ private:
     const Bin *bin_ = nullptr;
     const View *view_ = nullptr;
     Bin after_;
+    bool balance_;
     MoveOrder moves_;
     std::vector<Tuple> belt_;  // belt items with a place, the first to be packed first
     std::vector<Action> actions_;

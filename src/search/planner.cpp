@@ -1,8 +1,8 @@
 #include "search/planner.h"
 
 #include <algorithm>
-#include <ctime>
 
+#include "base/clock.h"
 #include "base/status.h"
 
 namespace packcell {
@@ -19,12 +19,6 @@ constexpr int kLargestItems = kMaxSide * kMaxSide;
 constexpr int kLargestBuffer = 4096;
 constexpr uint64_t kLeastMemory = uint64_t{64} << 10;
 constexpr uint64_t kMostMemory = uint64_t{4} << 30;
-
-double thread_milliseconds() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
 
 // A node asks the policy about every known item on every cell: on large bins the clock is looked at
 // more often.
@@ -65,7 +59,8 @@ Planner::Planner(const PlannerOptions &options, std::shared_ptr<const Policy> po
       bin_(options.max_side, options.max_side, static_cast<size_t>(options.max_items)),
       tree_(options.max_side, static_cast<size_t>(options.max_items), options.max_known,
             options.memory / 2),
-      step_(options.max_side, static_cast<size_t>(options.max_items)) {
+      step_(options.max_side, static_cast<size_t>(options.max_items),
+            options.method == Method::kExact) {
     const auto items = static_cast<size_t>(options.max_items);
     if (options.repack != Repack::kOff) {
         if (options.method == Method::kPaper) {

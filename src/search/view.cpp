@@ -17,6 +17,7 @@ void View::look(const Queue &queue) {
     known.clear();
     for (const Buffered &b : queue.buffer()) known.push_back({b.item, b.arm, -1, 1 << b.arm});
     const auto seen = std::min(queue.belt_size(), static_cast<size_t>(scenario.recognized));
+    whole_belt = seen == queue.belt_size();
     for (size_t place = 0; place < seen; ++place) {
         const int p = static_cast<int>(place);
         known.push_back({queue.belt(place), kNoArm, p, reach(scenario, queue.regions(), p)});

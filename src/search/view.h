@@ -41,6 +41,7 @@ struct Tuple {
 struct View {
     Scenario scenario;
     std::vector<Known> known;  // C first, then N in arrival order
+    bool whole_belt = false;   // nothing on the belt is unknown
 
     int count() const { return static_cast<int>(known.size()); }
     const Known &operator[](int index) const { return known[static_cast<size_t>(index)]; }
