@@ -585,6 +585,261 @@ PKC_API pkc_status pkc_bound_in_order(const pkc_bin *bin, const pkc_item *items,
                                       int32_t rotation, const pkc_budget *budget, size_t *out_count,
                                       int32_t *out_answer);
 
+/* ---- Cell ------------------------------------------------------------------------------------ */
+
+/* From here on lengths are metres, angles radians, times seconds: the plane of the cell seen from
+ * above, x to the right, y up, angles counter-clockwise. In a build without the cell
+ * (PACKCELL_CELL=OFF) every function of this and the next three sections gives
+ * PKC_E_UNSUPPORTED. */
+
+#define PKC_MAX_JOINTS 6
+#define PKC_MAX_CELL_BYTES 1048576 /* of a cell description: 1 MiB */
+
+/* A cell: arms, bin, belt, buffers, margins and how long what takes (docs/cell.md). Immutable; may
+ * be shared by threads. */
+typedef struct pkc_cell pkc_cell;
+
+/* By name: "ur5e" (two UR5e with vacuum grippers, real limits), "paper" (the same two with dwells
+ * scaled so that one arm's cycle takes the paper's 15.5 s, and the paper's planning times), "piper"
+ * (the paper's physical test), "scara" (two SCARA arms). Free with pkc_cell_free. */
+PKC_API pkc_status pkc_cell_create(const char *preset, pkc_cell **out_cell);
+PKC_API void pkc_cell_free(pkc_cell *cell);
+
+/* Names that pkc_cell_create knows, by index from 0; NULL past the last. Static storage. */
+PKC_API const char *pkc_cell_preset(size_t index);
+
+/* From the JSON text of a cell.json. PKC_E_FORMAT, naming field and value, for what is not a cell
+ * description; PKC_E_ARGUMENT, naming them too, for a cell that cannot work: a bin out of reach,
+ * bases too near each other, a belt that does not move. */
+PKC_API pkc_status pkc_cell_load(const char *json, size_t size, pkc_cell **out_cell);
+PKC_API pkc_status pkc_cell_load_file(const char *path, pkc_cell **out_cell);
+
+/* The description as JSON text, without a closing zero; loading it gives the same cell.
+ * `out_size` gets the bytes needed or written. */
+PKC_API pkc_status pkc_cell_save(const pkc_cell *cell, char *json, size_t capacity,
+                                 size_t *out_size);
+PKC_API pkc_status pkc_cell_save_file(const pkc_cell *cell, const char *path);
+
+typedef struct pkc_cell_info {
+    uint32_t struct_size;
+    int32_t arms;            /* 1 or 2 */
+    int32_t bin_w, bin_h;    /* cells */
+    int32_t buffer_slots[2]; /* items that each arm's buffer holds */
+    int32_t joints[2];       /* of each arm: 6 or 4; 0 where there is none */
+    double margin;           /* kept between the arms */
+    double tick;             /* of coordination */
+    double cycle; /* one arm's: home, middle of its zones, middle of the bin, home, with dwells */
+    char name[32];
+} pkc_cell_info;
+PKC_API pkc_status pkc_cell_info_init(pkc_cell_info *info, size_t size);
+PKC_API pkc_status pkc_cell_get_info(const pkc_cell *cell, pkc_cell_info *info);
+
+/* Whether the arms reach the belt's zones as the scenario says: PKC_OK, or PKC_E_ARGUMENT with the
+ * zone and the distance. */
+PKC_API pkc_status pkc_cell_check(const pkc_cell *cell, const pkc_scenario *scenario);
+
+/* Joints (radians; metres for the third of a SCARA) at which the arm's tool, straight down, has its
+ * tip at (x, y, z) and is turned by yaw, within the position limits and nearest to the middle of
+ * the arm's range; PKC_E_STATE if there are none. And back, by the full chain of links. */
+PKC_API pkc_status pkc_cell_inverse(const pkc_cell *cell, int32_t arm, const double pose[4],
+                                    double joints[PKC_MAX_JOINTS]);
+PKC_API pkc_status pkc_cell_forward(const pkc_cell *cell, int32_t arm,
+                                    const double joints[PKC_MAX_JOINTS], double pose[4]);
+
+/* How a layout is looked for. */
+typedef struct pkc_layout_options {
+    uint32_t struct_size;
+    int32_t evaluations; /* of the mean transfer time, 10..100000 (800) */
+    double range;        /* by which bases and buffers may move in x and in y, 0..2 (0.3) */
+} pkc_layout_options;
+PKC_API pkc_status pkc_layout_options_init(pkc_layout_options *options, size_t size);
+
+typedef struct pkc_layout_info {
+    uint32_t struct_size;
+    int32_t evaluations; /* made */
+    double before;       /* mean transfer time between belt, bin and buffers, without dwells */
+    double after;
+} pkc_layout_info;
+PKC_API pkc_status pkc_layout_info_init(pkc_layout_info *info, size_t size);
+
+/* Moves bases, buffers and homes for the shortest mean transfer within reach and clearance (NLopt:
+ * DIRECT, then Subplex). Never worse than `cell`; equal calls give equal cells. NULL options are
+ * the defaults; `info` may be NULL. */
+PKC_API pkc_status pkc_cell_optimize_layout(const pkc_cell *cell, const pkc_scenario *scenario,
+                                            const pkc_layout_options *options,
+                                            pkc_layout_info *info, pkc_cell **out_cell);
+
+/* ---- Tasks and schedule ---------------------------------------------------------------------- */
+
+/* Task allocation (paper, Sec. IV-D): names the arms of a step's packs from the belt anew, in
+ * place, so that each item goes to the nearest arm that reaches it; at most one an arm. `queue` is
+ * the one before the step. */
+PKC_API pkc_status pkc_allocate(const pkc_cell *cell, const pkc_queue *queue, pkc_action *actions,
+                                size_t count);
+
+/* How two arms are coordinated. Each mode keeps the stricter ones' schedule as its incumbent: over
+ * an episode COORDINATED <= ZONE_MUTEX <= SYNC_PAPER. */
+#define PKC_MODE_SYNC_PAPER 1  /* the paper's: atomic actions in common slots, one step a time */
+#define PKC_MODE_ZONE_MUTEX 2  /* asynchronous; one arm at a time over the bin */
+#define PKC_MODE_COORDINATED 3 /* asynchronous; kept apart by their footprints alone */
+
+/* What the arms, the belt and the planner do and when. */
+typedef struct pkc_schedule pkc_schedule;
+
+PKC_API pkc_status pkc_schedule_create(const pkc_cell *cell, const pkc_scenario *scenario,
+                                       int32_t mode, pkc_schedule **out_schedule);
+PKC_API void pkc_schedule_free(pkc_schedule *schedule);
+
+/* Adds the work of a step that was planned for `bin` and `queue`: those before the step. Its motion
+ * begins once the last step's items are off the belt, the belt has moved and the step is planned;
+ * planning takes the seconds that the cell description says. PKC_E_STATE if the step is not legal
+ * or the arms block each other for good, with the pair in pkc_last_error(); PKC_E_LIMIT if a buffer
+ * has no place left. */
+PKC_API pkc_status pkc_schedule_add_step(pkc_schedule *schedule, const pkc_bin *bin,
+                                         const pkc_queue *queue, const pkc_action *actions,
+                                         size_t count);
+
+/* The item that is let go over the bin at `time` did not fit (pkc_simulation_places): its arm takes
+ * it to its buffer before it does anything else. To the steps planned afterwards the item is an
+ * unpacked one. PKC_E_STATE if no arm lets go of it then. */
+PKC_API pkc_status pkc_schedule_put_aside(pkc_schedule *schedule, int32_t item, double time);
+
+/* Why an arm waits. */
+#define PKC_WAIT_BELT 1      /* no item has arrived */
+#define PKC_WAIT_PLANNING 2  /* the step is being planned */
+#define PKC_WAIT_OTHER_ARM 3 /* the other arm is too near, or still at the belt */
+#define PKC_WAIT_BIN 4       /* the other arm has the bin (ZONE_MUTEX) */
+#define PKC_WAIT_CELLS 5     /* the other arm has not freed the cells yet */
+#define PKC_WAIT_SYNC 6      /* the slot's or step's other action has not ended (SYNC_PAPER) */
+#define PKC_WAIT_DONE 7      /* nothing is left to do */
+#define PKC_WAIT_COUNT 8
+
+/* Where an arm's time goes; everything adds up to the makespan. */
+typedef struct pkc_arm_times {
+    double travel;
+    double strokes; /* down and up */
+    double grips;   /* gripping and letting go */
+    double waits[PKC_WAIT_COUNT];
+} pkc_arm_times;
+
+typedef struct pkc_schedule_info {
+    uint32_t struct_size;
+    int32_t mode;
+    int32_t taken;   /* mode whose schedule it is: its own or an incumbent's */
+    int32_t steps;   /* added */
+    double makespan; /* until both arms are home */
+    double lower_bound;
+    double released;      /* when the last step's work was released */
+    double belt;          /* seconds in which the belt moves */
+    double planning;      /* seconds of planning, as the cell description has them */
+    double min_clearance; /* between the arms, sampled every 10 ms; -1 with one arm */
+    pkc_arm_times arms[2];
+    uint64_t hash;       /* of the schedule, times to the microsecond */
+    uint64_t nodes;      /* of the coordination search */
+    double milliseconds; /* thread CPU time of motion planning and coordination, all steps */
+} pkc_schedule_info;
+PKC_API pkc_status pkc_schedule_info_init(pkc_schedule_info *info, size_t size);
+PKC_API pkc_status pkc_schedule_get_info(const pkc_schedule *schedule, pkc_schedule_info *info);
+
+#define PKC_ACTIVITY_TRAVEL 1
+#define PKC_ACTIVITY_LOWER 2
+#define PKC_ACTIVITY_GRIP 3
+#define PKC_ACTIVITY_RELEASE 4
+#define PKC_ACTIVITY_LIFT 5
+#define PKC_ACTIVITY_WAIT 6
+
+/* An arm at a time: set-points of its joints, and what it does. */
+typedef struct pkc_arm_sample {
+    double position[PKC_MAX_JOINTS];
+    double velocity[PKC_MAX_JOINTS];
+    double acceleration[PKC_MAX_JOINTS];
+    double tool[4]; /* x, y, z of the tip, yaw */
+    double held;    /* half the diagonal of the item in the gripper; 0: none */
+    int32_t item;   /* that the atomic action is about; -1: none */
+    int32_t step;
+    int32_t activity; /* PKC_ACTIVITY_* */
+    int32_t reason;   /* PKC_WAIT_* of a wait, else 0 */
+} pkc_arm_sample;
+
+/* At `time`, 0..makespan. */
+PKC_API pkc_status pkc_schedule_sample(const pkc_schedule *schedule, int32_t arm, double time,
+                                       pkc_arm_sample *out_sample);
+
+/* ---- Simulation ------------------------------------------------------------------------------ */
+
+typedef struct pkc_simulation_options {
+    uint32_t struct_size;
+    int32_t hertz;    /* steps a second, 60..1000 (240) */
+    double sigma;     /* standard deviation of an item's place in the gripper, 0..0.05 (0) */
+    double sigma_yaw; /* and turn, 0..0.5 (0) */
+    uint64_t seed;
+    int32_t frames;   /* 1: keep the poses for the replay; 0 (default) */
+    int32_t reserved; /* 0 */
+} pkc_simulation_options;
+PKC_API pkc_status pkc_simulation_options_init(pkc_simulation_options *options, size_t size);
+
+/* A run of a schedule in a fresh Box2D world. */
+typedef struct pkc_simulation pkc_simulation;
+
+/* Runs what the schedule has so far, to its end. NULL options are the defaults. Equal schedules and
+ * options give equal runs. */
+PKC_API pkc_status pkc_simulate(const pkc_schedule *schedule, const pkc_simulation_options *options,
+                                pkc_simulation **out_simulation);
+PKC_API void pkc_simulation_free(pkc_simulation *simulation);
+
+#define PKC_PLACE_OK 1
+#define PKC_PLACE_JAMMED 2    /* it would have come down on a wall or a neighbour: still held */
+#define PKC_PLACE_MISPLACED 3 /* in the bin, but farther from its place than allowed */
+#define PKC_PLACE_ABSENT 4    /* it had jammed before and was not put aside: nothing is let go */
+
+/* What became of an item that was to be put into the bin. */
+typedef struct pkc_place {
+    int32_t item;
+    int32_t step;
+    int32_t arm;
+    int32_t outcome; /* PKC_PLACE_* */
+    double time;     /* of the release */
+    double error;    /* between where it lies at the end and where it should */
+    double turn;
+} pkc_place;
+
+typedef struct pkc_simulation_info {
+    uint32_t struct_size;
+    int32_t places;
+    int32_t jams;
+    int32_t misplaced;
+    double worst_error;   /* of an item in the bin at the end */
+    double worst_overlap; /* by which two of them, or one and a wall, overlap */
+    double seconds;       /* simulated */
+    uint64_t steps;
+    uint64_t detections; /* arrivals that the photo-eyes saw */
+    uint64_t missed;     /* and did not see */
+    uint64_t hash;       /* of all final poses, bit for bit */
+    double milliseconds; /* thread CPU time of the run */
+} pkc_simulation_info;
+PKC_API pkc_status pkc_simulation_info_init(pkc_simulation_info *info, size_t size);
+PKC_API pkc_status pkc_simulation_get_info(const pkc_simulation *simulation,
+                                           pkc_simulation_info *info);
+
+/* In the order of their times. */
+PKC_API pkc_status pkc_simulation_places(const pkc_simulation *simulation, pkc_place *places,
+                                         size_t capacity, size_t *out_count);
+
+/* ---- Traces ---------------------------------------------------------------------------------- */
+
+#define PKC_TRACE_CHROME 1   /* Chrome trace events (JSON), opens in Perfetto */
+#define PKC_TRACE_TIMELINE 2 /* CSV: time, joints, tools, clearance, every `period` */
+#define PKC_TRACE_JOINTS_0 3 /* CSV: set-points of arm 0 every `period` */
+#define PKC_TRACE_JOINTS_1 4
+#define PKC_TRACE_GANTT 5  /* SVG */
+#define PKC_TRACE_REPLAY 6 /* one self-contained HTML page */
+
+/* Writes a schedule, all or nothing as in pkc_policy_save_file; `simulation` (may be NULL) adds the
+ * poses of its run. `period`: 0.0001..10, of the CSV files; ignored by the others. */
+PKC_API pkc_status pkc_trace_write_file(const pkc_schedule *schedule,
+                                        const pkc_simulation *simulation, int32_t kind,
+                                        double period, const char *path);
+
 /* ---- Generators ------------------------------------------------------------------------------ */
 
 #define PKC_GENERATE_RANDOM 1 /* sides uniform on 1..W/2 and 1..H/2 (at least 1) */
