@@ -36,9 +36,10 @@ build/tests/CTestTestfile.cmake: | build/build.ninja
 
 run: build
 	@mkdir -p out
-	@build/bin/packcell-gen --kind random --bin 10x10 --count 5 --seed $(SEED) --out out/instances.jsonl
-	@build/bin/packcell-pack --in out/instances.jsonl --out out/episodes.jsonl \
-	    --scenario D-R5A3O1 --rotation on --repack anytime --seed $(SEED) --svg out
+	@build/bin/packcell-sim --cell ur5e --scenario D-R5A3O1 --rotation on --repack full --count 3 --seed $(SEED) \
+	    --out out --episodes out/episodes.jsonl
+	@echo
+	@echo "to open in a browser: $$(echo out/bin-000[1-3]/replay.html)"
 
 test: build/tests/CTestTestfile.cmake build
 	@$(call CTEST,build)
@@ -137,7 +138,7 @@ clean:
 
 help:
 	@echo "make            build the library and the programs in build/"
-	@echo "make run        pack bins from the conveyor with a dual-arm cell; results in out/ (SEED=$(SEED))"
+	@echo "make run        pack bins by the two arms of a cell; replays and drawings in out/ (SEED=$(SEED))"
 	@echo "make test       run every test"
 	@echo "make check-all  tests with full counts, asan, tsan, valgrind, tidy"
 	@echo "make bench      our figures beside the paper's, short counts"

@@ -139,14 +139,17 @@ bool CellRunner::mend_one(const pkc_place &place, CellRun &run) {
         add(std::move(again), run);
         return true;
     }
-    check(pkc_schedule_put_aside(run.schedule.get(), place.item, place.time));
+    // Where its buffer is full, somebody has to take it out of the gripper.
+    const pkc_status aside = pkc_schedule_put_aside(run.schedule.get(), place.item, place.time);
+    const bool gone = aside == PKC_E_LIMIT;
+    if (!gone) check(aside);
     const pkc_action unpack = {PKC_OP_UNPACK, place.item, 0, 0, 0, place.arm};
     check(pkc_step_apply(bin_.get(), queue_.get(), &unpack, 1));
     run.steps.back().actions.push_back(unpack);
     ++run.steps.back().unpacks;
-    if (failures <= kRetry) {
+    if (!gone && failures <= kRetry) {
         ++run.retries;
-    } else if (failures <= kRepack) {
+    } else if (!gone && failures <= kRepack) {
         ++run.repacks;
         repack_now_ = true;
     } else {

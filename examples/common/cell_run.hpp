@@ -43,7 +43,7 @@ struct CellRun {
     SimulationHandle simulation;  // none if it was not asked for
     int64_t retries = 0;          // items that jammed once or lay wrong, and were placed again
     int64_t repacks = 0;          // items that jammed twice: with repacking
-    int64_t set_aside = 0;        // items that jammed three times
+    int64_t set_aside = 0;        // items that jammed three times, or found the buffer full
 };
 
 class CellRunner {

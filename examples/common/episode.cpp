@@ -30,6 +30,8 @@ std::vector<T> all_of(Fill fill) {
     return values;
 }
 
+}  // namespace
+
 void describe_bin(const pkc_bin *handle, Bin &bin) {
     auto info = initialised(pkc_bin_info_init);
     check(pkc_bin_get_info(handle, &info));
@@ -44,8 +46,6 @@ void describe_bin(const pkc_bin *handle, Bin &bin) {
         return pkc_bin_cells(handle, out, capacity, count);
     });
 }
-
-}  // namespace
 
 BinCounts count_bin(const Bin &bin) {
     BinCounts counts;

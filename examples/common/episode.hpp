@@ -42,6 +42,9 @@ struct Bin {
     std::vector<int32_t> cells;             // as pkc_bin_cells gives them
 };
 
+// Fills in what lies in the bin and how full it is.
+void describe_bin(const pkc_bin *handle, Bin &bin);
+
 // What is counted over one bin or, added up, over many.
 struct BinCounts {
     int64_t packing_steps = 0;  // steps that pack or unpack

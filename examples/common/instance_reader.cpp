@@ -70,7 +70,8 @@ void InstanceReader::settle_bin() {
         throw UsageError(std::string(options_.bin ? "--bin" : "--bins-file") + ": " +
                          lines_.name() + " has format " + format_ + ", which carries its bins");
     }
-    if (!given) {
+    if (!given && options_.usual_bin) options_.bin = options_.usual_bin;
+    if (!given && !options_.bin) {
         throw UsageError("--bin: missing: " + lines_.name() + " has format " + format_ +
                          ", which carries no bin: must be WxH");
     }

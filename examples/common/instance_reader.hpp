@@ -17,10 +17,11 @@ namespace packcell_programs {
 constexpr const char *kInstanceFormats[] = {"auto", "jsonl", "arrays", "plain", "csv", "ngcut"};
 
 struct ReadOptions {
-    std::string format = "auto";    // of kInstanceFormats; auto: told from the first line
-    std::optional<NumberPair> bin;  // for formats that carry none, or:
-    std::string bins_file;          // PackingSolver's table of bins
-    int64_t bins = 0;               // above 0: streams of so many bins, where a format cannot say
+    std::string format = "auto";          // of kInstanceFormats; auto: told from the first line
+    std::optional<NumberPair> bin;        // for formats that carry none, or:
+    std::string bins_file;                // PackingSolver's table of bins
+    std::optional<NumberPair> usual_bin;  // where a format carries none and neither is given
+    int64_t bins = 0;  // above 0: streams of so many bins, where a format cannot say
     bool millimetres = false;
     double cell = 0;  // the rest only in millimetres
     double clearance = 0;

@@ -26,6 +26,8 @@ PolicyHandle open_policy(const std::string &given);
 class PackingOptions {
 public:
     PackingOptions();
+    // Another default scenario than the library's; before add_to().
+    void set_scenario(const std::string &name) { read_scenario(name); }
     void add_to(CommandLine &line);
 
     // After parsing.
@@ -33,6 +35,7 @@ public:
     PolicyHandle policy() const { return open_policy(policy_); }
     EpisodeLabel label() const;
     bool rotation() const { return rotation_; }
+    uint64_t seed() const { return seed_; }
 
 private:
     void read_scenario(const std::string &value);
