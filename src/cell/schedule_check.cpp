@@ -194,6 +194,16 @@ private:
 
     void move_belt(size_t i) {
         const BeltMove &move = schedule_.belt[i];
+        for (const int32_t id : move.gone) {
+            const auto known = roster_.index.find(id);
+            if (known == roster_.index.end()) continue;  // it never came into view
+            if (where_[known->second].spot != Spot::kBelt) {
+                fail(Status::kState, "belt move %zu: item %d, which goes, is not on the belt", i,
+                     id);
+            }
+            where_[known->second].spot = Spot::kNone;
+            roster_.removals.push_back({move.start, known->second});
+        }
         for (const BeltMove::Shift &shift : move.shifts) {
             const Point from = zone(i, shift.from);
             const Point to = zone(i, shift.to);

@@ -39,6 +39,11 @@ struct Roster {
     std::vector<CellItem> items;
     std::unordered_map<int32_t, size_t> index;  // by id
     std::vector<BeltShift> shifts;              // by start
+    struct Removal {
+        double time;
+        size_t item;
+    };
+    std::vector<Removal> removals;  // off the belt, by time
 };
 
 // Throws kState, with one line that names the piece and the fault, unless the schedule is whole:

@@ -259,6 +259,11 @@ private:
     // ---- The belt -------------------------------------------------------------------------------
 
     void drive_belt(double next) {
+        for (;
+             removal_ < roster_.removals.size() && roster_.removals[removal_].time < next - kEarly;
+             ++removal_) {
+            world_.remove(roster_.removals[removal_].item);
+        }
         for (; shift_ < roster_.shifts.size() && roster_.shifts[shift_].start < next - kEarly;
              ++shift_) {
             appear(roster_.shifts[shift_].item, roster_.shifts[shift_].start);
@@ -375,6 +380,7 @@ private:
     std::vector<ItemState> items_;  // by index in the roster and in the world
     std::vector<size_t> moving_;    // shifts under way
     size_t handover_ = 0;           // the next ones
+    size_t removal_ = 0;
     size_t shift_ = 0;
     size_t held_[2] = {kNone, kNone};
     size_t piece_[2] = {0, 0};

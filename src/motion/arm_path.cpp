@@ -14,7 +14,7 @@ void ArmPath::start(const ArmState &state) {
     prints_.assign(1, footprint(place_.model, place_.base, state.at, state.held));
     moved_.clear();
     holds_.assign(1, 1);
-    over_bin_.assign(1, tool_over_bin(prints_[0]) ? 1 : 0);
+    over_bin_.assign(1, bin_distance(prints_[0]) < prints_[0].disc ? 1 : 0);
 }
 
 void ArmPath::add(const Piece &piece, int skip) {
@@ -45,7 +45,8 @@ void ArmPath::add(const Piece &piece, int skip) {
         moved_.back() += prints_[prints_.size() - 2].disc - prints_.back().disc;
         if ((k + 1) % kParts == 0) {
             holds_.push_back(0);
-            over_bin_.push_back(tool_over_bin(prints_.back()) ? 1 : 0);
+            over_bin_.push_back(over_bin_in(ticks_) ? 1 : 0);
+            over_bin_.push_back(bin_distance(prints_.back()) < prints_.back().disc ? 1 : 0);
             ++ticks_;
         }
     }
@@ -59,7 +60,7 @@ void ArmPath::start_within(const Piece &piece, int skip) {
     const Motion &m = piece.parts[at];
     prints_[0] =
         footprint(place_.model, place_.base, coordinates_at(m.segment, t - m.start), m.held);
-    over_bin_[0] = tool_over_bin(prints_[0]) ? 1 : 0;
+    over_bin_[0] = bin_distance(prints_[0]) < prints_[0].disc ? 1 : 0;
     holds_[0] = 0;
 }
 
@@ -78,13 +79,23 @@ double ArmPath::moved_in_tick(int tick) const {
     return sum;
 }
 
-bool ArmPath::tool_over_bin(const Footprint &print) const {
+// Metres from the tool's axis to the bin.
+double ArmPath::bin_distance(const Footprint &print) const {
     const Grid &grid = cell_.bin.grid;
     const double dx = std::max(
         0.0, std::abs(print.tool.x - cell_.bin.centre.x) - grid.bin_w / 2000 - cell_.bin.wall);
     const double dy = std::max(
         0.0, std::abs(print.tool.y - cell_.bin.centre.y) - grid.bin_h / 2000 - cell_.bin.wall);
-    return std::hypot(dx, dy) < print.disc;
+    return std::hypot(dx, dy);
+}
+
+// By the bound that PairClearance uses.
+bool ArmPath::over_bin_in(int tick) const {
+    for (int k = tick * kParts; k < (tick + 1) * kParts; ++k) {
+        const double least = (bin_distance(at(k)) + bin_distance(at(k + 1)) - moved(k)) / 2;
+        if (least < std::max(at(k).disc, at(k + 1).disc)) return true;
+    }
+    return false;
 }
 
 PairClearance::PairClearance(const ArmPath &a, const ArmPath &b, double margin)

@@ -24,7 +24,12 @@ public:
 
     int ticks() const { return ticks_; }
     const std::vector<uint8_t> &holds() const { return holds_; }
-    bool over_bin(int tick) const { return over_bin_[static_cast<size_t>(tick)] != 0; }
+
+    // Whether the tool or what it holds is over the bin at a tick or, where it goes on, comes there
+    // before the next one.
+    bool over_bin(int tick, bool goes) const {
+        return over_bin_[static_cast<size_t>(2 * tick + (goes ? 1 : 0))] != 0;
+    }
 
     const Footprint &at(int part) const { return prints_[static_cast<size_t>(part)]; }
     double moved(int part) const { return moved_[static_cast<size_t>(part)]; }
@@ -33,7 +38,8 @@ public:
 private:
     void start_within(const Piece &piece, int skip);
     void widen(int part, double held);
-    bool tool_over_bin(const Footprint &print) const;
+    double bin_distance(const Footprint &print) const;
+    bool over_bin_in(int tick) const;
 
     const CellLayout &cell_;
     const ArmPlace &place_;
@@ -41,7 +47,7 @@ private:
     std::vector<Footprint> prints_;  // ticks * kParts + 1
     std::vector<double> moved_;      // ticks * kParts
     std::vector<uint8_t> holds_;     // ticks + 1
-    std::vector<uint8_t> over_bin_;  // ticks + 1
+    std::vector<uint8_t> over_bin_;  // ticks * 2 + 1: at a tick, on the way to the next one
 };
 
 // Whether two arms keep the margin, in continuous time, while both or one of them go on. Where

@@ -56,8 +56,10 @@ int longest_pick(const CellLayout &cell, int robots, const StepPlan &plan) {
 
 double makespan_bound(const CellLayout &cell, int robots, const std::vector<StepPlan> &plans) {
     if (plans.empty()) return 0;
+    // What is foreseen may be planned while the belt still waits.
     const auto release = [&](const StepPlan &p) {
-        return ticks_for(p.belt_seconds, cell.tick) + ticks_for(p.planning_seconds, cell.tick);
+        const int planning = p.foreseen ? 0 : ticks_for(p.planning_seconds, cell.tick);
+        return ticks_for(p.belt_seconds, cell.tick) + planning;
     };
     int work = 0;
     for (int arm = 0; arm < robots; ++arm) work = std::max(work, own_work(cell, arm, plans));

@@ -313,6 +313,13 @@ double half_diagonal(const CellLayout &cell, const Item &item) {
     return 0.5 * std::hypot(item_side(cell, item.w), item_side(cell, item.h));
 }
 
+Segment stroke(const CellLayout &cell, const ArmModel &arm, const Coordinates &from,
+               const Coordinates &to) {
+    const double speed = std::min(cell.dwells.stroke_speed, cell.tool_speed);
+    const Segment fast = fastest_segment(arm, cell.law, speed, from, to, cell.jerk);
+    return stretched(fast, std::max(fast.duration(), stroke_time(cell)));
+}
+
 double reference_cycle(const CellLayout &cell) {
     const ArmPlace &arm = cell.arms.at(0);
     const Scenario scenario = {1, 3, 3, 0};
@@ -334,8 +341,8 @@ double reference_cycle(const CellLayout &cell) {
         if (i == 1 || i == 2) {
             Coordinates down = c;
             down[kHeight] -= cell.dwells.stroke;
-            time += std::max(stroke_time(cell), fast(c, down)) +
-                    std::max(stroke_time(cell), fast(down, c));
+            time += stroke(cell, arm.model, c, down).duration() +
+                    stroke(cell, arm.model, down, c).duration();
         }
         before = c;
     }

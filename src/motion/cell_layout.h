@@ -9,6 +9,7 @@
 #include "feed/scenario.h"
 #include "motion/arm_model.h"
 #include "motion/kinematics.h"
+#include "motion/segment.h"
 #include "motion/time_law.h"
 
 namespace packcell {
@@ -107,6 +108,11 @@ double release_time(const CellLayout &cell);
 // Sides in metres of an item of w x h cells, and half its diagonal.
 double item_side(const CellLayout &cell, int cells);
 double half_diagonal(const CellLayout &cell, const Item &item);
+
+// A stroke down or up: within the limits of the joints and of stroke_speed, and no faster than
+// stroke_time().
+Segment stroke(const CellLayout &cell, const ArmModel &arm, const Coordinates &from,
+               const Coordinates &to);
 
 // Seconds from home to the middle accessible zone of arm 0, to the middle of the bin and home
 // again, with its dwells: the cycle that the preset "paper" is scaled by.

@@ -1,7 +1,8 @@
 // Cells that are ready to use. Arm 0 stands to the left of the bin, arm 1 to its right, the belt
 // runs above it, from the right to the left; the buffers lie below and outside. At its home an arm
 // leaves the other one room for items of 7 x 7 cells, in the bin, on the belt and on the way (SCARA
-// arms, whose elbows swing out: of 5 x 5 cells on the way).
+// arms, whose elbows swing out: of 5 x 5 cells on the way). Among the places that do so, those of
+// bases, belt and homes come from a search for the least makespan of D-R5A3O1, rounded.
 #include <cstring>
 
 #include "base/status.h"
@@ -36,16 +37,14 @@ void planning_at_once(CellLayout &cell) {
     }
 }
 
-void paper_bin(CellLayout &cell) {
-    cell.bin.grid = {450, 450, 0, 45, 0};  // 10 x 10 cells
-    cell.belt.centre = {0, 0.43};
-    cell.belt.pitch = 0.35;
-}
+constexpr Grid kSimulatedBin = {450, 450, 0, 45, 0};  // the paper's: 10 x 10 cells
 
 CellLayout ur5e() {
     CellLayout cell;
-    paper_bin(cell);
-    put_arms(cell, arm_model("ur5e"), {-0.52, 0.09, 0, 0}, {-0.86, 0.42}, {0.46, 0.66},
+    cell.bin.grid = kSimulatedBin;
+    cell.belt.centre = {0, 0.44};
+    cell.belt.pitch = 0.35;
+    put_arms(cell, arm_model("ur5e"), {-0.54, 0.09, 0, 0}, {-0.70, 0.44}, {0.50, 0.60},
              {{-0.17, -0.41}, {-0.505, -0.41}, {-0.84, -0.41}, {-0.84, -0.075}});
     cell.dwells.grip = 0.3;
     cell.dwells.release = 0.2;
@@ -53,8 +52,16 @@ CellLayout ur5e() {
     return cell;
 }
 
+// Laid out for the scenarios of the paper's table, S-R5A3 and D-R5A3O1: with at most one zone that
+// both arms reach the belt may be farther from the bin, and an arm that picks is less in the way of
+// one that places.
 CellLayout paper() {
     CellLayout cell = ur5e();
+    cell.belt.centre = {0, 0.575};
+    cell.belt.pitch = 0.36;
+    cell.arms.clear();
+    put_arms(cell, arm_model("ur5e"), {-0.545, 0, 0, 0}, {-0.80, 0.41}, {0.77, 0.37},
+             {{-0.17, -0.41}, {-0.505, -0.45}, {-0.84, -0.45}});
     cell.dwells.grip = 0.5;
     cell.dwells.release = 0.3;
     cell.planning = {{{0.71, 0.76}, {0.77, 0.85}}, {{0.73, 0.77}, {1.46, 1.60}}};
@@ -72,9 +79,9 @@ CellLayout paper() {
 CellLayout piper() {
     CellLayout cell;
     cell.bin.grid = Grid{};  // the paper's bin: 10 x 8 cells of 30 mm
-    cell.belt.centre = {0, 0.27};
-    cell.belt.pitch = 0.23;
-    put_arms(cell, arm_model("piper"), {-0.35, 0.06, 0.20, 0}, {-0.42, 0.36}, {0.42, 0.36},
+    cell.belt.centre = {0, 0.255};
+    cell.belt.pitch = 0.215;
+    put_arms(cell, arm_model("piper"), {-0.33, -0.02, 0.20, 0}, {-0.42, 0.26}, {0.42, 0.26},
              {{-0.12, -0.25}, {-0.35, -0.25}, {-0.58, -0.25}});
     cell.tool_speed = 1;
     planning_at_once(cell);
@@ -83,8 +90,10 @@ CellLayout piper() {
 
 CellLayout scara() {
     CellLayout cell;
-    paper_bin(cell);
-    put_arms(cell, arm_model("scara"), {-0.54, 0.09, 0, 0}, {-0.82, 0.26}, {0.82, 0.26},
+    cell.bin.grid = kSimulatedBin;
+    cell.belt.centre = {0, 0.405};
+    cell.belt.pitch = 0.335;
+    put_arms(cell, arm_model("scara"), {-0.52, 0.02, 0, 0}, {-0.80, 0.76}, {0.80, 0.76},
              {{-0.17, -0.41}, {-0.505, -0.41}, {-0.84, -0.41}});
     cell.tool_speed = 3;
     cell.jerk = 200;

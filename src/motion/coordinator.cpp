@@ -7,6 +7,12 @@
 
 namespace packcell {
 
+namespace {
+
+constexpr size_t kUsualWays = 5;  // that are compared; further ones are for want of any
+
+}  // namespace
+
 Coordinator::Coordinator(const CellLayout &cell, int robots, CoordinationMode mode)
     : cell_(&cell), robots_(robots), mode_(mode), router_(cell) {
     state_.schedule.mode = mode;
@@ -26,31 +32,38 @@ int Coordinator::all_home() const {
     return end;
 }
 
-void Coordinator::add_step(const StepPlan &plan) {
+// The planner begins when it sees what there is to plan.
+Coordinator::Release Coordinator::release(const StepPlan &plan) const {
     const int belt_end = state_.picked + ticks_for(plan.belt_seconds, cell_->tick);
-    const int release =
-        std::max(belt_end, state_.settled) + ticks_for(plan.planning_seconds, cell_->tick);
+    const int seen = plan.foreseen ? state_.planned : belt_end;
+    const int planning = std::max(seen, state_.settled);
+    const int planned = planning + ticks_for(plan.planning_seconds, cell_->tick);
+    return {belt_end, planning, std::max(belt_end, planned)};
+}
+
+void Coordinator::add_step(const StepPlan &plan) {
+    const Release r = release(plan);
     // The paper's steps do not overlap. The others' do, unless the arms, caught in the middle of
     // what they do, block each other: at home they do not.
-    const int home = std::max(release, all_home());
+    const int home = std::max(r.at, all_home());
     const State before = state_;
     if (mode_ != CoordinationMode::kSyncPaper) {
         try {
-            start_step(plan, belt_end, release, release);
+            start_step(plan, r, r.at);
             return;
         } catch (const Error &) {
             state_ = before;
         }
     }
     try {
-        start_step(plan, belt_end, release, home);
+        start_step(plan, r, home);
     } catch (const Error &) {
         state_ = before;
         throw;
     }
 }
 
-void Coordinator::start_step(const StepPlan &plan, int belt_end, int release, int now) {
+void Coordinator::start_step(const StepPlan &plan, const Release &r, int now) {
     const double tick = cell_->tick;
     begin_until(now);
     // An arm without work: first the other one is still at the belt, then the belt moves, then the
@@ -58,18 +71,18 @@ void Coordinator::start_step(const StepPlan &plan, int belt_end, int release, in
     for (int i = 0; i < robots_; ++i) {
         Arm &a = arm(i);
         pause(a, state_.picked - a.end, WaitReason::kOtherArm);
-        pause(a, belt_end - a.end, WaitReason::kBelt);
-        pause(a, release - a.end, WaitReason::kPlanning);
+        pause(a, r.belt_end - a.end, WaitReason::kBelt);
+        pause(a, r.at - a.end, WaitReason::kPlanning);
         pause(a, now - a.end, WaitReason::kSync);
     }
-    const double belt = state_.picked * tick;
     if (plan.belt_seconds > 0) {
-        state_.schedule.belt.push_back({belt, plan.belt_seconds, plan.step, plan.shifts});
+        state_.schedule.belt.push_back(
+            {state_.picked * tick, plan.belt_seconds, plan.step, plan.shifts, plan.gone});
     }
     if (plan.planning_seconds > 0) {
-        const double start = release * tick - plan.planning_seconds;
-        state_.schedule.planning.push_back({start, plan.planning_seconds, plan.step});
+        state_.schedule.planning.push_back({r.planning * tick, plan.planning_seconds, plan.step});
     }
+    state_.planned = r.planning + ticks_for(plan.planning_seconds, tick);
     add_work(plan);
     state_.released = now;
     state_.picked = now;
@@ -141,8 +154,9 @@ void Coordinator::add_work(const StepPlan &plan) {
     }
 }
 
-// Where `homes`, the arm goes home after everything it puts down, out of the other one's way.
-std::vector<Piece> Coordinator::route(const Router &router, int index, bool homes) const {
+// On a way by home the arm goes there after everything it puts down, and with what it holds where
+// it waits, out of the other one's way.
+std::vector<Piece> Coordinator::route(const Router &router, int index, const Way &way) const {
     const Arm &a = state_.arms[index];
     std::vector<Piece> pieces;
     ArmState at = a.state;
@@ -151,19 +165,26 @@ std::vector<Piece> Coordinator::route(const Router &router, int index, bool home
         if (piece.ticks > 0) pieces.push_back(std::move(piece));
     };
     int32_t step = state_.step;
-    int32_t index_in_step = 0;
+    int32_t slot = a.current.task.slot;
     for (size_t i = 0; i < a.work.size(); ++i) {
-        const Task &task = a.work[i].task;
+        Task task = a.work[i].task;
+        if (way.in_turn) task.slot = task.turn;
         const bool pick = task.atomic.kind == AtomicKind::kPick;
         const Task *next = i + 1 < a.work.size() ? &a.work[i + 1].task : nullptr;
-        if (homes && pick && !a.work[i].arrived) add(router.travel_home(index, at, task.step));
+        const bool waits = pick || task.atomic.kind == AtomicKind::kPlaceToBuffer ||
+                           task.atomic.after >= 0 || way.in_turn;
+        if (way.by_home[index] && !a.work[i].arrived && waits) {
+            Piece aside = router.travel_home(index, at, task.step);
+            aside.task.slot = slot;
+            add(std::move(aside));
+        }
         if (!a.work[i].arrived) add(router.travel(index, at, task, pick ? next : nullptr));
         add(router.dwell(index, at, task));
         step = task.step;
-        index_in_step = task.index;
+        slot = task.slot;
     }
     Piece back = router.travel_home(index, at, step);
-    back.task.index = index_in_step + 1;
+    back.task.slot = slot + 1;
     add(std::move(back));
     return pieces;
 }
@@ -179,7 +200,7 @@ std::vector<ArmPlan> Coordinator::plan_arms(int now, const Way &way) const {
             plan.current = a.current;
             plan.skip = a.current.ticks - (a.end - now);
         }
-        plan.pieces = route(router, i, way.by_home[i]);
+        plan.pieces = route(router, i, way);
         plan.standby = way.standby[i];
     }
     return plans;
@@ -190,19 +211,26 @@ std::vector<Coordinator::Way> Coordinator::ways() const {
     std::vector<Way> all(1);
     if (robots_ == 1) return all;
     if (mode_ != CoordinationMode::kSyncPaper) {
-        all.push_back({true, {false, false}, {0, 0}});
-        all.push_back({false, {true, false}, {0, 0}});
-        all.push_back({false, {false, true}, {0, 0}});
-        all.push_back({true, {true, true}, {0, 0}});
+        all.push_back({true, {false, false}, {0, 0}, false});
+        all.push_back({false, {true, false}, {0, 0}, false});
+        all.push_back({false, {false, true}, {0, 0}, false});
+        all.push_back({true, {true, true}, {0, 0}, false});
+        // Only where none of these goes.
+        all.push_back({true, {true, false}, {0, 0}, false});
+        all.push_back({true, {false, true}, {0, 0}, false});
+        all.push_back({false, {true, true}, {0, 0}, false});
         return all;
     }
     // Two slots a pick and place, and one to go home.
     const auto most =
         static_cast<int>(std::max(state_.arms[0].work.size(), state_.arms[1].work.size()) + 1);
-    for (int slots = 1; slots <= most; ++slots) {
-        all.push_back({true, {false, false}, {0, slots}});
-        all.push_back({true, {false, false}, {slots, 0}});
+    for (const bool homes : {false, true}) {
+        for (int slots = homes ? 0 : 1; slots <= most; ++slots) {
+            all.push_back({true, {homes, homes}, {0, slots}, false});
+            all.push_back({true, {homes, homes}, {slots, 0}, false});
+        }
     }
+    all.push_back({true, {true, true}, {0, 0}, true});
     return all;
 }
 
@@ -212,7 +240,10 @@ void Coordinator::coordinate(int now) {
     DiagramPath best_path;
     DiagramPath last;
     std::unique_ptr<Encounter> tried;
-    for (const Way &way : ways()) {
+    const std::vector<Way> all = ways();
+    for (size_t w = 0; w < all.size(); ++w) {
+        if (w >= kUsualWays && best != nullptr) break;
+        const Way &way = all[w];
         const std::vector<ArmPlan> plans = plan_arms(now, way);
         tried = std::make_unique<Encounter>(*cell_, robots_, mode_, plans);
         tried->set_belt(state_.step, state_.next);
@@ -291,6 +322,10 @@ void Coordinator::settle(const Encounter &encounter, const DiagramPath &path,
 void Coordinator::put_aside(int index, int32_t item, double time, const Task &to) {
     const int now = ticks_for(time, cell_->tick);
     const State before = state_;
+    if (now < std::max(state_.released, state_.settled)) {
+        fail(Status::kState, "%g s: is before %g s, when the last step was released", time,
+             std::max(state_.released, state_.settled) * cell_->tick);
+    }
     begin_until(now);
     Arm &a = arm(index);
     const bool lets_go = a.current.dwell && a.end > now && !a.handovers.empty() &&
@@ -308,7 +343,10 @@ void Coordinator::put_aside(int index, int32_t item, double time, const Task &to
     for (Motion &part : a.current.parts) part.held = held;
     a.state.held = held;
     a.state.turn = h.tool_yaw - h.yaw;
-    a.work.push_front({to, false});
+    Task aside = to;
+    aside.index = a.current.task.index;
+    aside.slot = a.current.task.slot;
+    a.work.push_front({aside, false});
     state_.settled = now;
     for (int i = 0; i < robots_; ++i) pause(arm(i), now - arm(i).end, WaitReason::kOtherArm);
     try {

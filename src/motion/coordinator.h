@@ -14,8 +14,12 @@ struct StepPlan {
     int32_t step = 0;
     std::vector<Task> tasks[2];
     std::vector<BeltMove::Shift> shifts;  // of the belt, before the step
+    std::vector<int32_t> gone;            // items that were skipped before the belt moves
     double belt_seconds = 0;
     double planning_seconds = 0;
+    // The belt brings nothing into view that was not seen when the last step was planned: planning
+    // need not wait for it.
+    bool foreseen = false;
     double next_seconds = 0;  // of belt and planning before the next step; 0: there is none
 };
 
@@ -36,6 +40,9 @@ public:
 
     // With all that was added carried out, both arms at home.
     Schedule schedule() const;
+
+    double makespan() const { return all_home() * cell_->tick; }
+    uint64_t nodes() const { return state_.schedule.nodes; }
 
     // Seconds at which the last step's work was released.
     double released() const { return state_.released * cell_->tick; }
@@ -69,9 +76,18 @@ private:
         Schedule schedule;
         int picked = 0;   // tick at which the last step's items are off the belt
         int settled = 0;  // what begins before is not coordinated anew: a plan is not made sooner
+        int planned = 0;  // the last step's planning ended
         int released = 0;
         int32_t step = -1;
         int next = 0;  // ticks of belt and planning before the next step
+    };
+
+    // How the arms go about their work.
+    struct Way {
+        bool drawn_in = false;             // wide turns near the bases
+        bool by_home[2] = {false, false};  // home after everything it puts down
+        int standby[2] = {0, 0};           // SYNC_PAPER: further slots before it begins
+        bool in_turn = false;              // SYNC_PAPER: a slot for each action of either arm
     };
 
     Arm &arm(int index) { return state_.arms[index]; }
@@ -80,18 +96,18 @@ private:
     void begin(Arm &arm, const Timed &timed) const;
     void pause(Arm &arm, int ticks, WaitReason reason) const;
     int all_home() const;
-    void start_step(const StepPlan &plan, int belt_end, int release, int now);
+    struct Release {
+        int belt_end;
+        int planning;  // its start
+        int at;
+    };
+    Release release(const StepPlan &plan) const;
+    void start_step(const StepPlan &plan, const Release &release, int now);
     void add_work(const StepPlan &plan);
     void coordinate(int now);
-    // How the arms go about their work.
-    struct Way {
-        bool drawn_in = false;             // wide turns near the bases
-        bool by_home[2] = {false, false};  // home after everything it puts down
-        int standby[2] = {0, 0};           // SYNC_PAPER: further slots before it begins
-    };
     std::vector<Way> ways() const;
     std::vector<ArmPlan> plan_arms(int now, const Way &way) const;
-    std::vector<Piece> route(const Router &router, int index, bool homes) const;
+    std::vector<Piece> route(const Router &router, int index, const Way &way) const;
     void settle(const Encounter &encounter, const DiagramPath &path,
                 const std::vector<ArmPlan> &plans, int now);
 

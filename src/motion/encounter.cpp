@@ -13,6 +13,13 @@ bool takes_from_belt(const Piece &piece) {
            piece.task.atomic.at.spot == Spot::kBelt;
 }
 
+bool share_cells(const Location &a, const Location &b) {
+    const Rect &p = a.cells;
+    const Rect &q = b.cells;
+    return a.spot == Spot::kBin && b.spot == Spot::kBin && p.x < q.x + q.w && q.x < p.x + p.w &&
+           p.y < q.y + q.h && q.y < p.y + p.h;
+}
+
 ArmPath laid_path(const CellLayout &cell, int arm, const std::vector<ArmPlan> &plans) {
     ArmPath path(cell, arm < static_cast<int>(plans.size()) ? arm : 0);
     if (arm >= static_cast<int>(plans.size())) {
@@ -81,18 +88,25 @@ int Encounter::end_of(int arm, int32_t step, int32_t index) const {
     return -1;
 }
 
-// Cells under an item's place are freed before it comes down.
+// Cells under an item's place are freed before it comes down; and what an earlier step does with
+// cells is done before a later one comes to them.
 void Encounter::add_gates(int arm) {
     for (const Laid &laid : laid_[arm]) {
         const Task &t = laid.piece->task;
-        if (!laid.piece->dwell || t.atomic.after < 0) continue;
-        const int needs = end_of(1 - arm, t.step, t.atomic.after);
+        if (!laid.piece->dwell) continue;
+        int needs = t.atomic.after < 0 ? 0 : end_of(1 - arm, t.step, t.atomic.after);
+        for (const Laid &other : laid_[1 - arm]) {
+            const Task &o = other.piece->task;
+            if (other.piece->dwell && o.step < t.step && share_cells(o.atomic.at, t.atomic.at)) {
+                needs = std::max(needs, other.to);
+            }
+        }
         if (needs > 0) diagram_.gates.push_back({arm, laid.from, needs});
     }
 }
 
 int Encounter::slot_of(int arm, const Laid &laid) const {
-    return laid.piece->task.index + plans_[static_cast<size_t>(arm)].standby;
+    return laid.piece->task.slot + plans_[static_cast<size_t>(arm)].standby;
 }
 
 int Encounter::slot_start(int arm, int slot) const {
@@ -114,13 +128,17 @@ void Encounter::add_slots(int arm) {
     }
 }
 
-bool Encounter::both_over_bin(int i, int j) const {
-    return paths_[0].over_bin(i) && paths_[1].over_bin(j);
+bool Encounter::both_over_bin(int i, int j, int di, int dj) const {
+    const auto over = [this](int arm, int tick, int step) {
+        const ArmPath &path = paths_[arm];
+        return path.over_bin(tick, step != 0) || path.over_bin(tick + step, false);
+    };
+    return over(0, i, di) && over(1, j, dj);
 }
 
 bool Encounter::free(int i, int j, int di, int dj) const {
     if (robots_ == 1) return true;
-    if (mode_ == CoordinationMode::kZoneMutex && both_over_bin(i + di, j + dj)) return false;
+    if (mode_ == CoordinationMode::kZoneMutex && both_over_bin(i, j, di, dj)) return false;
     return clearance_.free(i, j, di, dj);
 }
 
@@ -141,9 +159,9 @@ WaitReason Encounter::reason(int arm, int at, int other, bool other_moves) const
         }
     }
     const int step = other_moves ? 1 : 0;
-    const int i = arm == 0 ? at + 1 : other + step;
-    const int j = arm == 0 ? other + step : at + 1;
-    if (mode_ == CoordinationMode::kZoneMutex && both_over_bin(i, j)) return WaitReason::kBin;
+    const bool bin =
+        arm == 0 ? both_over_bin(at, other, 1, step) : both_over_bin(other, at, step, 1);
+    if (mode_ == CoordinationMode::kZoneMutex && bin) return WaitReason::kBin;
     return WaitReason::kOtherArm;
 }
 

@@ -59,7 +59,7 @@ private:
     int slot_of(int arm, const Laid &laid) const;
     int slot_start(int arm, int slot) const;
     bool free(int i, int j, int di, int dj) const;
-    bool both_over_bin(int i, int j) const;
+    bool both_over_bin(int i, int j, int di, int dj) const;
 
     CoordinationMode mode_;
     int robots_;

@@ -148,17 +148,6 @@ Piece Router::travel_home(int arm, const ArmState &from, int32_t step) const {
     return move(arm, from, at, task);
 }
 
-Segment Router::stroke(int arm, const Coordinates &from, const Coordinates &to) const {
-    const ArmPlace &place = cell_.arms[static_cast<size_t>(arm)];
-    const Dwells &d = cell_.dwells;
-    Segment segment =
-        fastest_segment(place.model, cell_.law, cell_.tool_speed, from, to, cell_.jerk);
-    const TimeLaw law =
-        fastest(cell_.law, d.stroke, {d.stroke_speed, d.stroke_acceleration, cell_.jerk});
-    if (law.duration >= segment.duration()) segment.law = law;
-    return stretched(segment, segment.duration() * std::max(1.0, d.scale));
-}
-
 Piece Router::dwell(int arm, const ArmState &from, const Task &task) const {
     const ArmPlace &place = cell_.arms[static_cast<size_t>(arm)];
     const bool grip = task.atomic.kind == AtomicKind::kPick;
@@ -174,9 +163,9 @@ Piece Router::dwell(int arm, const ArmState &from, const Task &task) const {
     piece.after.held = grip ? size : 0;
     piece.after.turn = grip ? tool_yaw - task.yaw : 0;
 
-    const Segment lower = stroke(arm, from.at, down);
-    const Segment lift = stroke(arm, down, from.at);
-    const double hold = (grip ? cell_.dwells.grip : cell_.dwells.release) * cell_.dwells.scale;
+    const Segment lower = stroke(cell_, place.model, from.at, down);
+    const Segment lift = stroke(cell_, place.model, down, from.at);
+    const double hold = grip ? grip_time(cell_) : release_time(cell_);
     const double whole = lower.duration() + hold + lift.duration();
     piece.ticks = ticks_for(whole, cell_.tick);
     // What is missing to a whole number of ticks is spent holding still.

@@ -14,7 +14,9 @@ namespace packcell {
 struct Task {
     Atomic atomic;
     int32_t step = 0;
-    int32_t index = 0;  // among its arm's atomic actions of the step: the slot of SYNC_PAPER
+    int32_t index = 0;  // among its arm's atomic actions of the step
+    int32_t slot = 0;   // of SYNC_PAPER
+    int32_t turn = 0;   // its slot where the arms act in turn
     Point where;        // centre of the item
     double yaw = 0;     // of the item as it lies, or shall lie, there
 };
@@ -59,7 +61,6 @@ private:
     Segment fastest_way(int arm, const Coordinates &from, const Coordinates &to) const;
     Coordinates way_to_pick(int arm, const ArmState &from, const Task &task,
                             const Task *next) const;
-    Segment stroke(int arm, const Coordinates &from, const Coordinates &to) const;
 
     const CellLayout &cell_;
     bool drawn_in_;

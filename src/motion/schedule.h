@@ -73,6 +73,7 @@ struct BeltMove {
         int32_t to;
     };
     std::vector<Shift> shifts;
+    std::vector<int32_t> gone;  // items that are taken off the belt before: skipped ones
 };
 
 struct PlanningSpan {

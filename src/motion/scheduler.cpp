@@ -15,6 +15,36 @@ int slots_of(const CellLayout &cell, size_t arm) {
     return arm < cell.arms.size() ? static_cast<int>(cell.arms[arm].buffer.size()) : 0;
 }
 
+// The slots of SYNC_PAPER: one action of each arm at a time, and none in the slot in which the
+// other arm frees its cells.
+void number_slots(StepPlan &plan) {
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int arm = 0; arm < 2; ++arm) {
+            int32_t next = 0;
+            for (Task &t : plan.tasks[arm]) {
+                const int32_t after = t.atomic.after;
+                if (after >= 0) {
+                    const Task &frees = plan.tasks[1 - arm][static_cast<size_t>(after)];
+                    next = std::max(next, frees.slot + 1);
+                }
+                changed = changed || t.slot != next;
+                t.slot = next++;
+            }
+        }
+    }
+    std::vector<Task *> all;
+    for (std::vector<Task> &tasks : plan.tasks) {
+        for (Task &t : tasks) {
+            if (t.atomic.action >= 0) all.push_back(&t);
+        }
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Task *a, const Task *b) {
+        return a->atomic.action < b->atomic.action;
+    });
+    for (size_t i = 0; i < all.size(); ++i) all[i]->turn = static_cast<int32_t>(i);
+}
+
 }  // namespace
 
 Scheduler::Scheduler(const CellLayout &cell, const Scenario &scenario, CoordinationMode mode)
@@ -78,6 +108,19 @@ void Scheduler::add_belt(const Queue &queue, StepPlan &plan) const {
         if (is_fresh) shift.from = shift.to + most;
     }
     plan.belt_seconds = most > 0 ? belt_time(cell_, most) : 0;
+    plan.gone = skipped_;
+}
+
+// Whether what is recognised now was so when the last step was planned.
+bool Scheduler::all_recognized(const Queue &queue) const {
+    const auto now = std::min(queue.belt_size(), static_cast<size_t>(scenario_.recognized));
+    for (size_t i = 0; i < now; ++i) {
+        const auto end = belt_.begin() + static_cast<std::ptrdiff_t>(recognized_);
+        const bool known = std::any_of(
+            belt_.begin(), end, [&](const OnBelt &b) { return b.item.id == queue.belt(i).id; });
+        if (!known) return false;
+    }
+    return true;
 }
 
 StepPlan Scheduler::make_plan(const StepWork &work, const Queue &queue, const Action *actions,
@@ -90,6 +133,7 @@ StepPlan Scheduler::make_plan(const StepWork &work, const Queue &queue, const Ac
             plan.tasks[arm].back().index = static_cast<int32_t>(plan.tasks[arm].size()) - 1;
         }
     }
+    number_slots(plan);
     add_belt(queue, plan);
     const int robots = scenario_.robots - 1;
     const int repacking = work.repacking ? 1 : 0;
@@ -100,9 +144,12 @@ StepPlan Scheduler::make_plan(const StepWork &work, const Queue &queue, const Ac
             return (a.op == kPack || a.op == kSkip) && queue.find_belt(a.item) >= 0;
         }));
     const bool more = !work.terminates && queue.belt_size() > taken;
+    const auto seen = static_cast<size_t>(scenario_.recognized);
+    plan.foreseen = !plans_.empty() && all_recognized(queue);
     if (more) {
-        plan.next_seconds = belt_time(cell_, std::max<int>(1, static_cast<int>(taken))) +
-                            times.task[robots][0] + times.motion[robots][0];
+        plan.next_seconds = belt_time(cell_, std::max<int>(1, static_cast<int>(taken)));
+        const bool next_foreseen = queue.belt_size() <= seen;
+        if (!next_foreseen) plan.next_seconds += times.task[robots][0] + times.motion[robots][0];
     }
     return plan;
 }
@@ -119,6 +166,10 @@ void Scheduler::add_step(const Bin &bin, const Queue &queue, const Action *actio
         fail(Status::kArgument, "queue: its scenario is not the one the schedule was made for");
     }
     BufferSlots slots = slots_;
+    if (plans_.empty()) {
+        // What an earlier bin left there.
+        for (const Buffered &b : queue.buffer()) slots.put(b.arm, b.item.id, 0);
+    }
     const StepWork work = sequence_step(bin, queue, actions, count, slots);
     const StepPlan plan = make_plan(work, queue, actions, count);
 
@@ -133,6 +184,10 @@ void Scheduler::add_step(const Bin &bin, const Queue &queue, const Action *actio
         }
     }
     slots_ = slots;
+    skipped_.clear();
+    for (size_t i = 0; i < count; ++i) {
+        if (actions[i].op == kSkip) skipped_.push_back(actions[i].item);
+    }
     belt_.clear();
     const int seen = std::max(scenario_.recognized, scenario_.n_max());
     const auto on_belt = std::min(queue.belt_size(), static_cast<size_t>(seen));
@@ -140,14 +195,15 @@ void Scheduler::add_step(const Bin &bin, const Queue &queue, const Action *actio
         belt_.push_back(
             {queue.belt(i), belt_zone(scenario_, queue.regions(), static_cast<int>(i))});
     }
+    recognized_ = std::min(on_belt, static_cast<size_t>(scenario_.recognized));
     plans_.push_back(plan);
 }
 
 const Coordinator &Scheduler::best() const {
     const Coordinator *best = coordinators_.back().get();
-    double least = best->schedule().makespan;
+    double least = best->makespan();
     for (const std::unique_ptr<Coordinator> &c : coordinators_) {
-        const double makespan = c->schedule().makespan;
+        const double makespan = c->makespan();
         if (makespan < least - kTimeSlack) {
             least = makespan;
             best = c.get();
@@ -182,7 +238,6 @@ void Scheduler::put_aside(int32_t item, double time) {
                                      [&](const auto &c) { return c.get() == &best(); });
     (*chosen)->put_aside(at->arm, item, at->time, to);
     slots_ = slots;
-    set_aside_ = true;
     std::unique_ptr<Coordinator> kept = std::move(*chosen);
     coordinators_.clear();
     coordinators_.push_back(std::move(kept));
@@ -195,7 +250,7 @@ Schedule Scheduler::schedule() const {
     schedule.lower_bound = makespan_bound(cell_, scenario_.robots, plans_);
     schedule.nodes = 0;
     for (const std::unique_ptr<Coordinator> &c : coordinators_) {
-        schedule.nodes += c->schedule().nodes;
+        schedule.nodes += c->nodes();
     }
     return schedule;
 }

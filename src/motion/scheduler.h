@@ -42,6 +42,7 @@ private:
                        size_t count) const;
     Task task(int arm, const Atomic &atomic, const Queue &queue) const;
     void add_belt(const Queue &queue, StepPlan &plan) const;
+    bool all_recognized(const Queue &queue) const;
     const Coordinator &best() const;
 
     const CellLayout cell_;
@@ -54,8 +55,9 @@ private:
         Item item;
         int zone;
     };
-    std::vector<OnBelt> belt_;  // after the last step's picks, before it moves
-    bool set_aside_ = false;
+    std::vector<OnBelt> belt_;      // as the last step was planned
+    size_t recognized_ = 0;         // of these
+    std::vector<int32_t> skipped_;  // by the last step
 };
 
 // No schedule of these steps, with these arms for each item, is shorter (seconds): the first

@@ -190,6 +190,15 @@ Json handovers_of(const Schedule &schedule) {
     return list;
 }
 
+// What is skipped leaves the belt before it moves.
+Json gone_of(const Schedule &schedule) {
+    Json list = Json::array();
+    for (const BeltMove &move : schedule.belt) {
+        for (const int32_t item : move.gone) list.push_back({rounded(move.start, kFine), item});
+    }
+    return list;
+}
+
 Json belt_moves_of(const TraceInput &input) {
     const BeltPlace &belt = input.cell->belt;
     Json list = Json::array();
@@ -346,6 +355,7 @@ Json data_of(const TraceInput &input) {
                  {"items", items_of(input)},
                  {"before", bin_before(input)},
                  {"handovers", handovers_of(schedule)},
+                 {"gone", gone_of(schedule)},
                  {"moves", belt_moves_of(input)},
                  {"planning", planning},
                  {"spans", spans},

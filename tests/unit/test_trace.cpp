@@ -160,7 +160,7 @@ Example make_example(int robots, const char *preset = "ur5e", int rounds = 3) {
     for (int round = 0; round < rounds; ++round) {
         double begin = 0;
         for (const Hand &hand : hands) begin = std::max(begin, hand.now());
-        BeltMove move{begin, belt, round, {}};
+        BeltMove move{begin, belt, round, {}, {}};
         for (int arm = 0; arm < robots; ++arm) {
             Hand &hand = hands[static_cast<size_t>(arm)];
             const Item item{40 + round * robots + arm, 2, 3, 0};
