@@ -18,6 +18,8 @@ int run_offline(const Bench &bench, int argc, const char *const *argv);
 int run_large(const Bench &bench, int argc, const char *const *argv);
 int run_compare(const Bench &bench, int argc, const char *const *argv);
 int run_inference(const Bench &bench, int argc, const char *const *argv);
+int run_makespan(const Bench &bench, int argc, const char *const *argv);
+int run_jam(const Bench &bench, int argc, const char *const *argv);
 
 constexpr Bench kBenches[] = {
     {"random", "Table (a): Random streams, six scenarios, without and with rotation", run_random},
@@ -31,6 +33,11 @@ constexpr Bench kBenches[] = {
     {"compare", "every policy against the best online packer there can be, on 4x4 and 5x5",
      run_compare},
     {"inference", "evaluations a second of the networks, one by one and 64 at once", run_inference},
+    {"makespan",
+     "Table (simulation): one and two arms pack 100 % sets, in each mode of coordination",
+     run_makespan},
+    {"jam", "how often an item jams, against the items' clearance and the noise of their places",
+     run_jam},
 };
 
 }  // namespace packcell_programs

@@ -71,6 +71,20 @@ constexpr Compared kComparison[] = {
     {"5x5", "BERM", 94.30},         {"5x5", "the paper's", 96.58},
 };
 
+// Table "Planning and Execution Time in Single- and Dual-Arms", in seconds; [0] without, [1] with
+// repacking. Row by row: planning a step, its motion and its execution, and a whole episode.
+struct MakespanColumns {
+    const char *scenario;
+    double task_planning[2];
+    double motion_planning[2];
+    double execution[2];
+    double makespan[2];
+};
+constexpr MakespanColumns kMakespan[] = {
+    {"S-R5A3", {0.71, 0.76}, {0.73, 0.77}, {15.50, 15.93}, {124.48, 130.98}},
+    {"D-R5A3O1", {0.77, 0.85}, {1.46, 1.60}, {21.22, 22.39}, {94.29, 100.12}},
+};
+
 // The column of a scenario; nullptr where the paper has none.
 template <typename Columns, size_t Count>
 const Columns *find(const Columns (&table)[Count], const char *scenario) {

@@ -40,11 +40,11 @@ Workload make_sets(const pkc_generator_options &options, int64_t count) {
     return sets;
 }
 
-pkc_generator_options generator_options(int32_t kind, int32_t side, uint64_t seed) {
+pkc_generator_options generator_options(int32_t kind, int32_t w, int32_t h, uint64_t seed) {
     auto options = initialised(pkc_generator_options_init);
     options.kind = kind;
-    options.w = side;
-    options.h = side;
+    options.w = w;
+    options.h = h;
     options.seed = seed;
     return options;
 }
@@ -53,7 +53,7 @@ pkc_generator_options generator_options(int32_t kind, int32_t side, uint64_t see
 
 Workload random_stream(int64_t bins, uint64_t seed) {
     const GeneratorHandle generator =
-        make_generator(generator_options(PKC_GENERATE_RANDOM, kPaperSide, seed));
+        make_generator(generator_options(PKC_GENERATE_RANDOM, kPaperSide, kPaperSide, seed));
     Instance stream;
     stream.id = "r1";
     stream.w = kPaperSide;
@@ -66,13 +66,17 @@ Workload random_stream(int64_t bins, uint64_t seed) {
 }
 
 Workload full_sets(int64_t count, const std::string &preset, uint64_t seed) {
-    pkc_generator_options options = generator_options(PKC_GENERATE_FULL, kPaperSide, seed);
+    return full_sets(count, kPaperSide, kPaperSide, preset, seed);
+}
+
+Workload full_sets(int64_t count, int32_t w, int32_t h, const std::string &preset, uint64_t seed) {
+    pkc_generator_options options = generator_options(PKC_GENERATE_FULL, w, h, seed);
     check(pkc_generator_preset(&options, preset.c_str()));
     return make_sets(options, count);
 }
 
 Workload square_sets(int64_t count, int32_t side, double mean, double sigma, uint64_t seed) {
-    pkc_generator_options options = generator_options(PKC_GENERATE_FULL, side, seed);
+    pkc_generator_options options = generator_options(PKC_GENERATE_FULL, side, side, seed);
     options.mean = mean / side;
     options.sigma = sigma;
     return make_sets(options, count);

@@ -20,6 +20,8 @@ Workload random_stream(int64_t bins, uint64_t seed);
 
 // 100 % sets for 10x10 bins, of a preset of pkc_generator_preset.
 Workload full_sets(int64_t count, const std::string &preset, uint64_t seed);
+// For bins of other sides.
+Workload full_sets(int64_t count, int32_t w, int32_t h, const std::string &preset, uint64_t seed);
 
 // 100 % sets for square bins; mean and standard deviation of the items' sides in cells.
 Workload square_sets(int64_t count, int32_t side, double mean, double sigma, uint64_t seed);

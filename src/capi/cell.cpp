@@ -95,6 +95,7 @@ pkc_status pkc_cell_save(const pkc_cell *cell, char *json, size_t capacity, size
         const std::string text = write_cell(cell->layout);
         require_capacity(text.size(), capacity, out_size);
         std::copy(text.begin(), text.end(), json);
+        *out_size = text.size();
     });
 }
 

@@ -14,9 +14,18 @@ struct pkc_cell {
 struct pkc_schedule {
     pkc_schedule(const packcell::CellLayout &cell, const packcell::Scenario &scenario,
                  packcell::CoordinationMode mode)
-        : scheduler(cell, scenario, mode), schedule(scheduler.schedule()) {}
+        : scheduler(cell, scenario, mode) {}
+
+    // What the scheduler has so far, made when it is asked for. The handle is one thread's.
+    const packcell::Schedule &schedule() const {
+        if (!fresh) made = scheduler.schedule();
+        fresh = true;
+        return made;
+    }
+
     packcell::Scheduler scheduler;
-    packcell::Schedule schedule;  // what the scheduler has so far
+    mutable packcell::Schedule made;
+    mutable bool fresh = false;
     double milliseconds = 0;
     mutable std::atomic<bool> busy{false};
 };

@@ -50,7 +50,7 @@ pkc_arm_times to_c(const ArmTimes &times) {
 }
 
 pkc_schedule_info info_of(const pkc_schedule &handle) {
-    const Schedule &s = handle.schedule;
+    const Schedule &s = handle.schedule();
     pkc_schedule_info info = {};
     info.mode = static_cast<int32_t>(s.mode);
     info.taken = static_cast<int32_t>(s.taken);
@@ -106,7 +106,7 @@ pkc_status pkc_schedule_add_step(pkc_schedule *schedule, const pkc_bin *bin, con
         const std::vector<Action> step = read_actions(actions, count);
         const double begun = thread_milliseconds();
         use->scheduler.add_step(use_bin->bin, use_queue->queue, step.data(), step.size());
-        use->schedule = use->scheduler.schedule();
+        use->fresh = false;
         use->milliseconds += thread_milliseconds() - begun;
     });
 }
@@ -116,7 +116,7 @@ pkc_status pkc_schedule_put_aside(pkc_schedule *schedule, int32_t item, double t
         const Use<pkc_schedule> use("schedule", schedule);
         require_finite("time", time, 0, 1e9);
         use->scheduler.put_aside(item, time);
-        use->schedule = use->scheduler.schedule();
+        use->fresh = false;
     });
 }
 
@@ -137,7 +137,7 @@ pkc_status pkc_schedule_sample(const pkc_schedule *schedule, int32_t arm, double
     return guard([&] {
         const Use<const pkc_schedule> use("schedule", schedule);
         require(out_sample, "out_sample");
-        const Schedule &s = use->schedule;
+        const Schedule &s = use->schedule();
         require_range("arm", arm, 0, s.robots - 1);
         require_finite("time", time, 0, s.makespan);
         const ArmPlace &place = use->scheduler.cell().arms[static_cast<size_t>(arm)];

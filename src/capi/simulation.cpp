@@ -45,7 +45,7 @@ pkc_status pkc_simulate(const pkc_schedule *schedule, const pkc_simulation_optio
         auto run = std::make_unique<pkc_simulation>();
         const double begun = thread_milliseconds();
         run->report =
-            simulate(use->scheduler.cell(), use->scheduler.scenario(), use->schedule, checked);
+            simulate(use->scheduler.cell(), use->scheduler.scenario(), use->schedule(), checked);
         run->milliseconds = thread_milliseconds() - begun;
         *out_simulation = run.release();
     });
@@ -90,6 +90,7 @@ pkc_status pkc_simulation_places(const pkc_simulation *simulation, pkc_place *pl
             places[i] = {p.item.id, p.step,  p.arm, static_cast<int32_t>(p.outcome),
                          p.time,    p.error, p.turn};
         }
+        *out_count = all.size();
     });
 }
 

@@ -35,10 +35,10 @@ pkc_status pkc_trace_write_file(const pkc_schedule *schedule, const pkc_simulati
         require_range("kind", kind, PKC_TRACE_CHROME, PKC_TRACE_REPLAY);
         require_finite("period", period, 0.0001, 10);
         require(path, "path");
-        if (kind == PKC_TRACE_JOINTS_1 && use->schedule.robots < 2) {
+        if (kind == PKC_TRACE_JOINTS_1 && use->schedule().robots < 2) {
             fail(Status::kArgument, "kind %d: the schedule has one arm", kind);
         }
-        const TraceInput input{&use->scheduler.cell(), &use->scheduler.scenario(), &use->schedule,
+        const TraceInput input{&use->scheduler.cell(), &use->scheduler.scenario(), &use->schedule(),
                                simulation == nullptr ? nullptr : &simulation->report};
         const std::string text = draw(input, kind, period);
         write_file(path, reinterpret_cast<const uint8_t *>(text.data()), text.size());
