@@ -238,19 +238,23 @@ void Coordinator::coordinate(int now) {
     std::vector<ArmPlan> best_plans;
     std::unique_ptr<Encounter> best;
     DiagramPath best_path;
-    DiagramPath last;
-    std::unique_ptr<Encounter> tried;
+    int32_t stuck[2] = {-1, -1};  // items of the pair that blocks each other
     const std::vector<Way> all = ways();
     for (size_t w = 0; w < all.size(); ++w) {
         if (w >= kUsualWays && best != nullptr) break;
         const Way &way = all[w];
         const std::vector<ArmPlan> plans = plan_arms(now, way);
-        tried = std::make_unique<Encounter>(*cell_, robots_, mode_, plans);
+        auto tried = std::make_unique<Encounter>(*cell_, robots_, mode_, plans);
         tried->set_belt(state_.step, state_.next);
         DiagramPath path = tried->solve(search_);
         state_.schedule.nodes += path.nodes;
-        last = path;
-        if (path.answer != DiagramAnswer::kFound) continue;
+        if (path.answer != DiagramAnswer::kFound) {
+            for (int i = 0; i < robots_; ++i) {
+                const Piece *piece = tried->piece_at(i, path.blocked[i]);
+                stuck[i] = piece == nullptr ? -1 : piece->task.atomic.item.id;
+            }
+            continue;
+        }
         const bool better = best == nullptr || path.makespan < best_path.makespan ||
                             (path.makespan == best_path.makespan && path.total < best_path.total);
         if (better) {
@@ -263,13 +267,10 @@ void Coordinator::coordinate(int now) {
         if (enough) break;
     }
     if (best == nullptr) {
-        const Piece *a = tried->piece_at(0, last.blocked[0]);
-        const Piece *b = tried->piece_at(1, last.blocked[1]);
         fail(Status::kState,
              "step %d: arm 0 (item %d) and arm 1 (item %d) block each other: no order of their "
              "motions keeps them %g m apart",
-             state_.step, a != nullptr ? a->task.atomic.item.id : -1,
-             b != nullptr ? b->task.atomic.item.id : -1, cell_->margin);
+             state_.step, stuck[0], stuck[1], cell_->margin);
     }
     settle(*best, best_path, best_plans, now);
 }
@@ -319,7 +320,7 @@ void Coordinator::settle(const Encounter &encounter, const DiagramPath &path,
     if (encounter.picked(0) > 0 || encounter.picked(1) > 0) state_.picked = picked;
 }
 
-void Coordinator::put_aside(int index, int32_t item, double time, const Task &to) {
+void Coordinator::put_aside(int arm_index, int32_t item, double time, const Task &to) {
     const int now = ticks_for(time, cell_->tick);
     const State before = state_;
     if (now < std::max(state_.released, state_.settled)) {
@@ -327,12 +328,12 @@ void Coordinator::put_aside(int index, int32_t item, double time, const Task &to
              std::max(state_.released, state_.settled) * cell_->tick);
     }
     begin_until(now);
-    Arm &a = arm(index);
+    Arm &a = arm(arm_index);
     const bool lets_go = a.current.dwell && a.end > now && !a.handovers.empty() &&
                          !a.handovers.back().grip && a.handovers.back().item.id == item;
     if (!lets_go) {
         state_ = before;
-        fail(Status::kState, "arm %d does not let go of item %d at %g s", index, item, time);
+        fail(Status::kState, "arm %d does not let go of item %d at %g s", arm_index, item, time);
     }
     Handover &h = a.handovers.back();
     h.aside = true;

@@ -2,6 +2,7 @@
 // have not begun yet, and A* on the coordination diagram says where they pause.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace packcell {
 // A step in the plane of the cell, the same for every mode.
 struct StepPlan {
     int32_t step = 0;
-    std::vector<Task> tasks[2];
+    std::array<std::vector<Task>, 2> tasks;
     std::vector<BeltMove::Shift> shifts;  // of the belt, before the step
     std::vector<int32_t> gone;            // items that were skipped before the belt moves
     double belt_seconds = 0;
@@ -36,7 +37,7 @@ public:
     // As the arm lets go at the end of its release, at `time`, the item turns out not to fit: it is
     // taken to `to` in the arm's buffer before the arm does anything else. Throws kState where the
     // arm does not let go of the item then.
-    void put_aside(int arm, int32_t item, double time, const Task &to);
+    void put_aside(int arm_index, int32_t item, double time, const Task &to);
 
     // With all that was added carried out, both arms at home.
     Schedule schedule() const;
@@ -72,7 +73,7 @@ private:
         std::vector<Timed> ahead;  // as last coordinated; dropped where it has not begun
     };
     struct State {
-        Arm arms[2];
+        std::array<Arm, 2> arms;
         Schedule schedule;
         int picked = 0;   // tick at which the last step's items are off the belt
         int settled = 0;  // what begins before is not coordinated anew: a plan is not made sooner

@@ -1,6 +1,7 @@
 // A schedule: what each arm, the belt and the planner do from second 0 to the makespan.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -87,7 +88,7 @@ struct Schedule {
     CoordinationMode taken =
         CoordinationMode::kCoordinated;  // whose schedule it is: an incumbent's
     int robots = 1;
-    std::vector<Motion> lanes[2];
+    std::array<std::vector<Motion>, 2> lanes;
     std::vector<Handover> handovers;  // by time
     std::vector<BeltMove> belt;
     std::vector<PlanningSpan> planning;

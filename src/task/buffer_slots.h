@@ -1,6 +1,7 @@
 // Which slot of its arm's buffer an unpacked item lies in.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,7 +24,7 @@ private:
         int32_t item = -1;
         int32_t rot = 0;
     };
-    std::vector<Slot> slots_[2];
+    std::array<std::vector<Slot>, 2> slots_;
 };
 
 }  // namespace packcell
