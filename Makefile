@@ -89,8 +89,8 @@ valgrind:
 	@$(call COMPILE,build/valgrind)
 	@$(call CTEST,build/valgrind) --label-regex '^(api|unit)$$'
 
-# About a quarter of an hour on two cores; a second call goes on where the first one was stopped.
-# The recipes of docs/training.md; both go on where they were stopped.
+# The recipes of docs/training.md; both go on where they were stopped. The first takes about a quarter
+# of an hour on two cores.
 train: build
 	@mkdir -p out
 	@build/bin/packcell-train --learner afterstate --rotation mixed --seed $(SEED) --updates 60000000 \

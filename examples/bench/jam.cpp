@@ -30,18 +30,9 @@ struct Arguments {
     uint64_t bins = 1000;
 };
 
-Json description(const pkc_cell *cell) {
-    size_t size = 0;
-    const pkc_status asked = pkc_cell_save(cell, nullptr, 0, &size);
-    if (asked != PKC_E_CAPACITY) check(asked);
-    std::string text(size, ' ');
-    check(pkc_cell_save(cell, text.data(), text.size(), &size));
-    return Json::parse(text);
-}
-
 // The cell with another clearance between items.
 CellHandle with_gap(const pkc_cell *cell, double gap_mm) {
-    Json json = description(cell);
+    Json json = Json::parse(describe(cell));
     json["bin"]["gap"] = gap_mm * 1e-3;
     const std::string text = json.dump();
     pkc_cell *changed = nullptr;
@@ -50,7 +41,7 @@ CellHandle with_gap(const pkc_cell *cell, double gap_mm) {
 }
 
 double chamfer_mm(const pkc_cell *cell) {
-    return description(cell)["bin"]["chamfer"].get<double>() * 1e3;
+    return Json::parse(describe(cell))["bin"]["chamfer"].get<double>() * 1e3;
 }
 
 double normal_below(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
@@ -83,12 +74,7 @@ std::vector<pkc_place> run_places(const pkc_schedule *schedule, double sigma_mm,
     pkc_simulation *made = nullptr;
     check(pkc_simulate(schedule, &options, &made));
     const SimulationHandle simulation(made);
-    size_t count = 0;
-    const pkc_status asked = pkc_simulation_places(simulation.get(), nullptr, 0, &count);
-    if (asked != PKC_E_CAPACITY) check(asked);
-    std::vector<pkc_place> places(count);
-    check(pkc_simulation_places(simulation.get(), places.data(), count, &count));
-    return places;
+    return places_of(simulation.get());
 }
 
 // One arm fills the bin with items of one cell: the black cells of a chessboard, then the white

@@ -13,27 +13,8 @@ constexpr int64_t kMostSteps = 10000;
 constexpr int kRetry = 1;   // failures of an item after which it is placed again,
 constexpr int kRepack = 2;  // with repacking, and then no more
 
-std::vector<pkc_place> places_of(const pkc_simulation *simulation) {
-    size_t count = 0;
-    const pkc_status asked = pkc_simulation_places(simulation, nullptr, 0, &count);
-    if (asked != PKC_E_CAPACITY) check(asked);
-    std::vector<pkc_place> places(count);
-    if (count > 0) check(pkc_simulation_places(simulation, places.data(), count, &count));
-    return places;
-}
-
-pkc_queue_info queue_info(const pkc_queue *queue) {
-    auto info = initialised(pkc_queue_info_init);
-    check(pkc_queue_get_info(queue, &info));
-    return info;
-}
-
 bool placement_of(const pkc_bin *bin, int32_t item, pkc_placement &found) {
-    size_t count = 0;
-    const pkc_status asked = pkc_bin_items(bin, nullptr, 0, &count);
-    if (asked != PKC_E_CAPACITY) check(asked);
-    std::vector<pkc_placement> all(count);
-    if (count > 0) check(pkc_bin_items(bin, all.data(), count, &count));
+    const std::vector<pkc_placement> all = items_of(bin);
     const auto at = std::find_if(all.begin(), all.end(),
                                  [item](const pkc_placement &p) { return p.item.id == item; });
     if (at == all.end()) return false;
@@ -47,6 +28,19 @@ std::vector<std::string> cell_names() {
     std::vector<std::string> names;
     for (size_t i = 0; const char *name = pkc_cell_preset(i); ++i) names.emplace_back(name);
     return names;
+}
+
+std::string describe(const pkc_cell *cell) {
+    return all_of<std::string>([cell](char *out, size_t capacity, size_t *size) {
+        return pkc_cell_save(cell, out, capacity, size);
+    });
+}
+
+std::vector<pkc_place> places_of(const pkc_simulation *simulation) {
+    return all_of<std::vector<pkc_place>>(
+        [simulation](pkc_place *out, size_t capacity, size_t *count) {
+            return pkc_simulation_places(simulation, out, capacity, count);
+        });
 }
 
 CellHandle open_cell(const std::string &given) {

@@ -22,6 +22,12 @@ using SimulationHandle = Handle<pkc_simulation, pkc_simulation_free>;
 // Throws UsageError for a name that there is not, Failure for a file that holds no cell.
 CellHandle open_cell(const std::string &given);
 
+// The cell's description as JSON text.
+std::string describe(const pkc_cell *cell);
+
+// What became of each item, in the order of their times.
+std::vector<pkc_place> places_of(const pkc_simulation *simulation);
+
 // Of the presets, the default first.
 std::vector<std::string> cell_names();
 

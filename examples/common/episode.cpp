@@ -14,22 +14,6 @@ constexpr size_t kAhead = 64;
 // A set lies on the conveyor as a whole, unless it is so large that moving it up would cost time.
 constexpr size_t kSetAhead = 4096;
 
-pkc_queue_info queue_info(const pkc_queue *queue) {
-    auto info = initialised(pkc_queue_info_init);
-    check(pkc_queue_get_info(queue, &info));
-    return info;
-}
-
-template <typename T, typename Fill>
-std::vector<T> all_of(Fill fill) {
-    size_t count = 0;
-    const pkc_status asked = fill(nullptr, 0, &count);
-    if (asked != PKC_E_CAPACITY) check(asked);
-    std::vector<T> values(count);
-    if (count > 0) check(fill(values.data(), count, &count));
-    return values;
-}
-
 }  // namespace
 
 void describe_bin(const pkc_bin *handle, Bin &bin) {
@@ -39,10 +23,8 @@ void describe_bin(const pkc_bin *handle, Bin &bin) {
     bin.h = info.h;
     bin.utilization = static_cast<double>(info.occupied_cells) / (info.w * info.h);
     bin.full = info.occupied_cells == info.w * info.h;
-    bin.placements = all_of<pkc_placement>([&](pkc_placement *out, size_t capacity, size_t *count) {
-        return pkc_bin_items(handle, out, capacity, count);
-    });
-    bin.cells = all_of<int32_t>([&](int32_t *out, size_t capacity, size_t *count) {
+    bin.placements = items_of(handle);
+    bin.cells = all_of<std::vector<int32_t>>([&](int32_t *out, size_t capacity, size_t *count) {
         return pkc_bin_cells(handle, out, capacity, count);
     });
 }

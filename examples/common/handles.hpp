@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/errors.hpp"
 #include "packcell.h"
@@ -46,6 +47,31 @@ T initialised(pkc_status (*init)(T *, size_t)) {
     T value;
     check(init(&value, sizeof value));
     return value;
+}
+
+// The whole of an array that the library fills: fill(array, capacity, count), asked for the number
+// first. Array is a vector or a string.
+template <typename Array, typename Fill>
+Array all_of(Fill fill) {
+    size_t count = 0;
+    const pkc_status asked = fill(nullptr, 0, &count);
+    if (asked != PKC_E_CAPACITY) check(asked);
+    Array values(count, typename Array::value_type{});
+    if (count > 0) check(fill(values.data(), count, &count));
+    return values;
+}
+
+inline pkc_queue_info queue_info(const pkc_queue *queue) {
+    auto info = initialised(pkc_queue_info_init);
+    check(pkc_queue_get_info(queue, &info));
+    return info;
+}
+
+inline std::vector<pkc_placement> items_of(const pkc_bin *bin) {
+    return all_of<std::vector<pkc_placement>>(
+        [bin](pkc_placement *out, size_t capacity, size_t *count) {
+            return pkc_bin_items(bin, out, capacity, count);
+        });
 }
 
 inline BinHandle make_bin(int32_t w, int32_t h) {

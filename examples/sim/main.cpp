@@ -120,15 +120,6 @@ int32_t mode_of(const std::string &name) {
                              : PKC_MODE_COORDINATED;
 }
 
-void print_cell(const pkc_cell *cell) {
-    size_t size = 0;
-    const pkc_status asked = pkc_cell_save(cell, nullptr, 0, &size);
-    if (asked != PKC_E_CAPACITY) check(asked);
-    std::string text(size, '\0');
-    check(pkc_cell_save(cell, text.data(), text.size(), &size));
-    Output("-").write(text);
-}
-
 CellHandle improved(const CellHandle &cell, const pkc_scenario &scenario, const Arguments &a) {
     auto info = initialised(pkc_layout_info_init);
     pkc_cell *better = nullptr;
@@ -241,7 +232,7 @@ int run(int argc, const char *const *argv) {
         cell = improved(cell, options.pack.scenario, a);
     }
     if (a.print_cell) {
-        print_cell(cell.get());
+        Output("-").write(describe(cell.get()));
         return kExitDone;
     }
     const PolicyHandle policy = packing.policy();

@@ -24,6 +24,10 @@ struct Rect {
     int h;
 };
 
+inline bool intersect(const Rect &a, const Rect &b) {
+    return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
+}
+
 struct Item {
     int32_t id;
     int32_t w;

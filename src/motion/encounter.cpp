@@ -14,10 +14,7 @@ bool takes_from_belt(const Piece &piece) {
 }
 
 bool share_cells(const Location &a, const Location &b) {
-    const Rect &p = a.cells;
-    const Rect &q = b.cells;
-    return a.spot == Spot::kBin && b.spot == Spot::kBin && p.x < q.x + q.w && q.x < p.x + p.w &&
-           p.y < q.y + q.h && q.y < p.y + p.h;
+    return a.spot == Spot::kBin && b.spot == Spot::kBin && intersect(a.cells, b.cells);
 }
 
 ArmPath laid_path(const CellLayout &cell, int arm, const std::vector<ArmPlan> &plans) {

@@ -184,7 +184,7 @@ void Scheduler::add_step(const Bin &bin, const Queue &queue, const Action *actio
         }
     }
     slots_ = slots;
-    skipped_.clear();
+    if (plan.belt_seconds > 0) skipped_.clear();  // they went as the belt moved
     for (size_t i = 0; i < count; ++i) {
         if (actions[i].op == kSkip) skipped_.push_back(actions[i].item);
     }

@@ -57,7 +57,7 @@ private:
     };
     std::vector<OnBelt> belt_;      // as the last step was planned
     size_t recognized_ = 0;         // of these
-    std::vector<int32_t> skipped_;  // by the last step
+    std::vector<int32_t> skipped_;  // that still lie on the belt, which has not moved since
 };
 
 // No schedule of these steps, with these arms for each item, is shorter (seconds): the first

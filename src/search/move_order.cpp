@@ -5,14 +5,6 @@
 
 namespace packcell {
 
-namespace {
-
-bool overlap(const Rect &a, const Rect &b) {
-    return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
-}
-
-}  // namespace
-
 MoveOrder::MoveOrder() {
     moves_.reserve(2 * kMaxKnown);
     blockers_.reserve(2 * kMaxKnown);
@@ -69,7 +61,7 @@ void MoveOrder::find_blockers(const Repacking &repacking) {
         const auto i = static_cast<size_t>(m);
         const Rect place = repacking.packed[static_cast<size_t>(moves_[i].to)].rect();
         for (size_t o = 0; o < moves_.size(); ++o) {
-            if (o != i && moves_[o].arm == kNoArm && overlap(moves_[o].from, place)) {
+            if (o != i && moves_[o].arm == kNoArm && intersect(moves_[o].from, place)) {
                 blockers_[i].set(o);
             }
         }

@@ -8,10 +8,6 @@ namespace packcell {
 
 namespace {
 
-bool overlap(const Rect &a, const Rect &b) {
-    return a.x < b.x + b.w && b.x < a.x + a.w && a.y < b.y + b.h && b.y < a.y + a.h;
-}
-
 // Turns a step's primitives, in their order, into each arm's atomic actions.
 class Sequencer {
 public:
@@ -126,7 +122,7 @@ private:
     int freed_by(int arm, const Rect &cells) const {
         int after = -1;
         for (const Freed &f : freed_[arm]) {
-            if (overlap(f.cells, cells)) after = std::max(after, f.atomic);
+            if (intersect(f.cells, cells)) after = std::max(after, f.atomic);
         }
         return after;
     }
