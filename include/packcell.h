@@ -209,11 +209,13 @@ typedef struct pkc_queue pkc_queue;
 
 typedef struct pkc_queue_info {
     uint32_t struct_size;
-    int32_t belt;     /* items on the conveyor, recognised or not */
-    int32_t buffered; /* items in the arms' buffers */
-    int32_t k_alpha;  /* items only arm 0 (rear, downstream) reaches */
-    int32_t k_shared; /* items both reach, or all accessible ones with one robot */
-    int32_t k_beta;   /* items only arm 1 (front) reaches */
+    int32_t belt;       /* items on the conveyor, recognised or not */
+    int32_t buffered;   /* items in the arms' buffers */
+    int32_t k_alpha;    /* items only arm 0 (rear, downstream) reaches */
+    int32_t k_shared;   /* items both reach, or all accessible ones with one robot */
+    int32_t k_beta;     /* items only arm 1 (front) reaches */
+    int32_t alpha_left; /* items that stayed in arm 0's region when the conveyor last moved; with
+                           the items, all that the regions depend on */
 } pkc_queue_info;
 PKC_API pkc_status pkc_queue_info_init(pkc_queue_info *info, size_t size);
 
@@ -227,6 +229,19 @@ PKC_API pkc_status pkc_queue_push(pkc_queue *queue, const pkc_item *item);
 /* An item leaves the conveyor or a buffer without being packed (removed by hand, say); the conveyor
  * advances. PKC_E_STATE if the queue does not hold it. */
 PKC_API pkc_status pkc_queue_remove(pkc_queue *queue, int32_t id);
+
+/* Several items, or none, leave so at once, and the conveyor advances as it does after a step. All
+ * or nothing; PKC_E_STATE, with the index in pkc_last_error(), if one is not there or named twice.
+ */
+PKC_API pkc_status pkc_queue_remove_items(pkc_queue *queue, const int32_t *ids, size_t count);
+
+/* An item is put into the buffer of `arm` from without: a queue rebuilt from a message, or an item
+ * unpacked outside a planned step. PKC_E_STATE if the queue holds its id already. */
+PKC_API pkc_status pkc_queue_put_in_buffer(pkc_queue *queue, const pkc_item *item, int32_t arm);
+
+/* Arranges the conveyor's regions anew, as if so many items (0..64) had stayed in arm 0's: for a
+ * queue rebuilt from a message, with the alpha_left of its pkc_queue_info. */
+PKC_API pkc_status pkc_queue_set_alpha_left(pkc_queue *queue, int32_t alpha_left);
 
 PKC_API pkc_status pkc_queue_get_scenario(const pkc_queue *queue, pkc_scenario *scenario);
 PKC_API pkc_status pkc_queue_get_info(const pkc_queue *queue, pkc_queue_info *info);

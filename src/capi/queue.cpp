@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -20,7 +21,30 @@ std::vector<Action> to_core(const pkc_action *actions, size_t count) {
     return core;
 }
 
-pkc_queue_info default_info() { return {sizeof(pkc_queue_info), 0, 0, 0, 0, 0}; }
+pkc_queue_info default_info() { return {sizeof(pkc_queue_info), 0, 0, 0, 0, 0, 0}; }
+
+// Places on the belt and indices in the buffer of the items to go, each ascending.
+struct Leaving {
+    std::vector<int> places;
+    std::vector<int> buffered;
+};
+
+Leaving find_leaving(const Queue &queue, const int32_t *ids, size_t count) {
+    Leaving leaving;
+    for (size_t i = 0; i < count; ++i) {
+        const int place = queue.find_belt(ids[i]);
+        const int buffered = queue.find_buffer(ids[i]);
+        if (place < 0 && buffered < 0)
+            fail(Status::kState, "ids[%zu] %d: is not in the queue", i, ids[i]);
+        std::vector<int> &list = place >= 0 ? leaving.places : leaving.buffered;
+        const int index = place >= 0 ? place : buffered;
+        const auto at = std::lower_bound(list.begin(), list.end(), index);
+        if (at != list.end() && *at == index)
+            fail(Status::kState, "ids[%zu] %d: is named twice", i, ids[i]);
+        list.insert(at, index);
+    }
+    return leaving;
+}
 
 }  // namespace
 
@@ -98,6 +122,38 @@ pkc_status pkc_queue_remove(pkc_queue *queue, int32_t id) {
     });
 }
 
+pkc_status pkc_queue_remove_items(pkc_queue *queue, const int32_t *ids, size_t count) {
+    return guard([&] {
+        const Use<pkc_queue> use("queue", queue);
+        if (count > 0) require(ids, "ids");
+        const Leaving leaving = find_leaving(use->queue, ids, count);
+        for (auto index = leaving.buffered.rbegin(); index != leaving.buffered.rend(); ++index)
+            use->queue.take_from_buffer(static_cast<size_t>(*index));
+        use->queue.take(leaving.places);
+    });
+}
+
+pkc_status pkc_queue_put_in_buffer(pkc_queue *queue, const pkc_item *item, int32_t arm) {
+    return guard([&] {
+        const Use<pkc_queue> use("queue", queue);
+        const Item checked = checked_item("item", item);
+        if (arm < 0 || arm >= use->queue.scenario().robots)
+            fail(Status::kArgument, "arm %d: must be one of the scenario's", arm);
+        if (use->queue.holds(checked.id))
+            fail(Status::kState, "item %d: is in the queue already", checked.id);
+        use->queue.put_in_buffer({checked, arm});
+    });
+}
+
+pkc_status pkc_queue_set_alpha_left(pkc_queue *queue, int32_t alpha_left) {
+    return guard([&] {
+        const Use<pkc_queue> use("queue", queue);
+        if (alpha_left < 0 || alpha_left > kMaxRecognized)
+            fail(Status::kArgument, "alpha_left %d: must be 0..%d", alpha_left, kMaxRecognized);
+        use->queue.set_alpha_left(alpha_left);
+    });
+}
+
 pkc_status pkc_queue_get_scenario(const pkc_queue *queue, pkc_scenario *scenario) {
     return guard([&] {
         const Use<const pkc_queue> use("queue", queue);
@@ -115,6 +171,7 @@ pkc_status pkc_queue_get_info(const pkc_queue *queue, pkc_queue_info *info) {
         value.k_alpha = q.regions().alpha;
         value.k_shared = q.regions().shared;
         value.k_beta = q.regions().beta;
+        value.alpha_left = q.alpha_left();
         write_struct("info", info, value);
     });
 }

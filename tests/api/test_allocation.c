@@ -74,7 +74,8 @@ static void plan_whole_streams(int32_t w, int32_t h, int bins) {
                 options.memory = 65536;
                 CHECK_OK(pkc_planner_create(&options, NULL, &planner));
                 while (closed < bins) {
-                    pkc_queue_info info = {sizeof info, 0, 0, 0, 0, 0};
+                    pkc_queue_info info;
+                    CHECK_OK(pkc_queue_info_init(&info, sizeof info));
                     CHECK_OK(pkc_queue_get_info(queue, &info));
                     for (; info.belt < 12; ++info.belt)
                         check_push(queue, id++, check_draw(&seed, 1, 5), check_draw(&seed, 1, 4));

@@ -527,6 +527,7 @@ static void terminate_changes_nothing(void **state) {
             before = info_of(queue);
             CHECK_OK(pkc_step_apply(bin, queue, &end, 1));
             after = info_of(queue);
+            before.alpha_left = after.alpha_left;
             assert_memory_equal(&before, &after, sizeof before);
             pkc_bin_free(bin);
             pkc_queue_free(queue);
@@ -677,6 +678,110 @@ static void plan_hash_is_fnv1a_of_little_endian_words(void **state) {
     assert_true(hash != want);
 }
 
+/* ---- Queues changed from without ------------------------------------------------------------- */
+
+/* What a gateway does on the arms' word leaves the queue as the planned step would have. */
+static void items_removed_together_leave_the_belt_as_a_step_does(void **state) {
+    static const int32_t taken[2] = {1, 3};
+    pkc_queue *stepped = check_queue("D-R5A3O1");
+    pkc_queue *edited = check_queue("D-R5A3O1");
+    pkc_bin *bin = check_bin(10, 10);
+    pkc_action actions[2];
+    uint8_t a[4096], b[4096];
+    size_t a_size = 0, b_size = 0;
+    int32_t id;
+    (void)state;
+    for (id = 0; id < 6; ++id) {
+        check_push(stepped, id, 1, 1);
+        check_push(edited, id, 1, 1);
+    }
+    actions[0] = make_action(PKC_OP_PACK, taken[0], 0, 0, 0, 0);
+    actions[1] = make_action(PKC_OP_PACK, taken[1], 1, 0, 0, 1);
+    CHECK_OK(pkc_step_apply(bin, stepped, actions, 2));
+    CHECK_OK(pkc_queue_remove_items(edited, taken, 2));
+    CHECK_OK(pkc_snapshot_save(bin, stepped, a, sizeof a, &a_size));
+    CHECK_OK(pkc_snapshot_save(bin, edited, b, sizeof b, &b_size));
+    assert_int_equal(a_size, b_size);
+    assert_memory_equal(a, b, a_size);
+    pkc_bin_free(bin);
+    pkc_queue_free(stepped);
+    pkc_queue_free(edited);
+}
+
+static void removing_items_is_all_or_nothing(void **state) {
+    static const int32_t strange[2] = {0, 7};
+    static const int32_t twice[2] = {1, 1};
+    static const int32_t everywhere[2] = {9, 2};
+    const pkc_item buffered = {9, 2, 2, 0};
+    pkc_queue *queue = check_queue("S-R5A3");
+    int32_t id;
+    (void)state;
+    for (id = 0; id < 3; ++id) check_push(queue, id, 1, 1);
+    CHECK_OK(pkc_queue_put_in_buffer(queue, &buffered, 0));
+    CHECK_FAILS(PKC_E_STATE, "ids[1] 7: is not in the queue",
+                pkc_queue_remove_items(queue, strange, 2));
+    CHECK_FAILS(PKC_E_STATE, "ids[1] 1: is named twice", pkc_queue_remove_items(queue, twice, 2));
+    CHECK_FAILS(PKC_E_ARGUMENT, "ids", pkc_queue_remove_items(queue, NULL, 1));
+    assert_int_equal(info_of(queue).belt, 3);
+    assert_int_equal(info_of(queue).buffered, 1);
+    CHECK_OK(pkc_queue_remove_items(queue, NULL, 0));
+    CHECK_OK(pkc_queue_remove_items(queue, everywhere, 2));
+    assert_int_equal(info_of(queue).belt, 2);
+    assert_int_equal(info_of(queue).buffered, 0);
+    pkc_queue_free(queue);
+}
+
+static void an_item_put_in_a_buffer_is_packed_by_its_arm(void **state) {
+    const pkc_item item = {5, 2, 3, 0};
+    pkc_queue *queue = check_queue("D-R5A3O1");
+    pkc_bin *bin = check_bin(10, 10);
+    pkc_action action = make_action(PKC_OP_PACK, 5, 0, 0, 0, 0);
+    (void)state;
+    CHECK_FAILS(PKC_E_ARGUMENT, "arm 2", pkc_queue_put_in_buffer(queue, &item, 2));
+    CHECK_FAILS(PKC_E_ARGUMENT, "item", pkc_queue_put_in_buffer(queue, NULL, 0));
+    CHECK_OK(pkc_queue_put_in_buffer(queue, &item, 1));
+    CHECK_FAILS(PKC_E_STATE, "in the queue already", pkc_queue_put_in_buffer(queue, &item, 0));
+    CHECK_FAILS(PKC_E_STATE, "other arm's buffer", pkc_step_apply(bin, queue, &action, 1));
+    action.arm = 1;
+    CHECK_OK(pkc_step_apply(bin, queue, &action, 1));
+    assert_int_equal(info_of(queue).buffered, 0);
+    pkc_bin_free(bin);
+    pkc_queue_free(queue);
+}
+
+/* Every state that steps lead to is rebuilt from its items and its alpha_left. */
+static void a_queue_is_rebuilt_from_its_items_and_alpha_left(void **state) {
+    uint64_t seed = 11;
+    int round;
+    (void)state;
+    print_message("seed %d\n", (int)seed);
+    for (round = 0; round < 300; ++round) {
+        pkc_queue *queue = check_queue("D-R5A3O1");
+        pkc_bin *bin = check_bin(10, 10);
+        int32_t id = 0;
+        while (id < 9) check_push(queue, id++, 1, 1);
+        while (info_of(queue).belt > 0) {
+            pkc_queue *rebuilt = check_queue("D-R5A3O1");
+            pkc_queued items[16];
+            size_t count = 0, i;
+            int32_t gone;
+            CHECK_OK(pkc_queue_belt(queue, items, 16, &count));
+            for (i = 0; i < count; ++i) CHECK_OK(pkc_queue_push(rebuilt, &items[i].item));
+            CHECK_OK(pkc_queue_set_alpha_left(rebuilt, info_of(queue).alpha_left));
+            assert_int_equal(info_of(rebuilt).k_alpha, info_of(queue).k_alpha);
+            assert_int_equal(info_of(rebuilt).k_shared, info_of(queue).k_shared);
+            assert_int_equal(info_of(rebuilt).k_beta, info_of(queue).k_beta);
+            pkc_queue_free(rebuilt);
+            gone = items[check_draw(&seed, 0, (int32_t)count - 1)].item.id;
+            CHECK_OK(pkc_queue_remove_items(queue, &gone, 1));
+        }
+        CHECK_FAILS(PKC_E_ARGUMENT, "alpha_left 65", pkc_queue_set_alpha_left(queue, 65));
+        CHECK_FAILS(PKC_E_ARGUMENT, "alpha_left -1", pkc_queue_set_alpha_left(queue, -1));
+        pkc_bin_free(bin);
+        pkc_queue_free(queue);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_are_parsed_and_given_back),
@@ -697,6 +802,10 @@ int main(void) {
         cmocka_unit_test(rules_are_enforced_and_a_broken_one_changes_nothing),
         cmocka_unit_test(unpacking_never_makes_an_id_occur_twice_in_the_queue),
         cmocka_unit_test(plan_hash_is_fnv1a_of_little_endian_words),
+        cmocka_unit_test(items_removed_together_leave_the_belt_as_a_step_does),
+        cmocka_unit_test(removing_items_is_all_or_nothing),
+        cmocka_unit_test(an_item_put_in_a_buffer_is_packed_by_its_arm),
+        cmocka_unit_test(a_queue_is_rebuilt_from_its_items_and_alpha_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
