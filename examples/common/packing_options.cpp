@@ -114,7 +114,7 @@ void PackingOptions::read_buffer(const std::string &value) {
     }
 }
 
-void PackingOptions::add_to(CommandLine &line) {
+void PackingOptions::add_planner_to(CommandLine &line) {
     line.custom(
         "--scenario", "NAME", default_scenario_name(scenario_),
         [this](const std::string &value) { read_scenario(value); },
@@ -130,13 +130,6 @@ void PackingOptions::add_to(CommandLine &line) {
     line.choice("--method", method_, {"paper", "exact"},
                 "paper: its algorithms as written; exact: equal states\n"
                 "once, repacking by an exact packer");
-    line.whole("--budget-nodes", budget_nodes_, 0, std::numeric_limits<uint64_t>::max(),
-               "placements tried a step, 0 for no limit; equal plans on\n"
-               "every machine. Without it, --budget-ms alone counts")
-        ->each([this](const std::string &) { nodes_given_ = true; });
-    line.real("--budget-ms", budget_ms_, is_budget, "of milliseconds, 0..1e12",
-              "time a step, 0 for no limit")
-        ->each([this](const std::string &) { ms_given_ = true; });
     line.custom(
         "--select", "K|auto|all", "auto", [this](const std::string &value) { read_select(value); },
         "candidates kept a node; auto: all when only packing,\n"
@@ -145,6 +138,17 @@ void PackingOptions::add_to(CommandLine &line) {
         "--buffer", "N|unlimited", "unlimited",
         [this](const std::string &value) { read_buffer(value); },
         "unpacked items that an arm can hold");
+}
+
+void PackingOptions::add_to(CommandLine &line) {
+    add_planner_to(line);
+    line.whole("--budget-nodes", budget_nodes_, 0, std::numeric_limits<uint64_t>::max(),
+               "placements tried a step, 0 for no limit; equal plans on\n"
+               "every machine. Without it, --budget-ms alone counts")
+        ->each([this](const std::string &) { nodes_given_ = true; });
+    line.real("--budget-ms", budget_ms_, is_budget, "of milliseconds, 0..1e12",
+              "time a step, 0 for no limit")
+        ->each([this](const std::string &) { ms_given_ = true; });
     line.whole("--seed", seed_, 0, std::numeric_limits<uint64_t>::max(),
                "recorded in the episodes; the policies so far draw no\n"
                "random numbers");

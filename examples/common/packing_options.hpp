@@ -21,18 +21,21 @@ bool is_policy_file(const std::string &given);
 // Throws UsageError for a name that there is not, Failure for a file that holds no policy.
 PolicyHandle open_policy(const std::string &given);
 
-// How to pack: --scenario --rotation --repack --policy --method --budget-ms --budget-nodes
-// --select --buffer --seed. To be kept alive until the command line was parsed.
+// How to pack: --scenario --rotation --repack --policy --method --select --buffer, and where the
+// program says how long a step may take --budget-ms --budget-nodes --seed. To be kept alive until
+// the command line was parsed.
 class PackingOptions {
 public:
     PackingOptions();
     // Another default scenario than the library's; before add_to().
     void set_scenario(const std::string &name) { read_scenario(name); }
     void add_to(CommandLine &line);
+    void add_planner_to(CommandLine &line);  // without the budget and the seed
 
     // After parsing.
     PackOptions pack_options() const;
     PolicyHandle policy() const { return open_policy(policy_); }
+    const std::string &policy_name() const { return policy_; }
     EpisodeLabel label() const;
     bool rotation() const { return rotation_; }
     uint64_t seed() const { return seed_; }
