@@ -1,0 +1,115 @@
+#include "gateway/settings.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace packcell_programs {
+
+namespace {
+
+constexpr const char *kScenario = "D-R5A3O1";
+constexpr uint64_t kLongestHeartbeat = 60000;
+constexpr uint64_t kLongestReserve = 1000;
+constexpr size_t kLongestCell = 64;
+
+void read_cell_name(const std::string &value, std::string &cell) {
+    const bool plain = std::all_of(value.begin(), value.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+    });
+    if (value.empty() || value.size() > kLongestCell || !plain)
+        refuse_value("--cell", value, "1..64 of a-z, A-Z, 0-9, '-', '_', '.'");
+    cell = value;
+}
+
+template <typename T>
+void whole(CommandLine &line, const std::string &flag, T &value, uint64_t least, uint64_t most,
+           const std::string &help) {
+    line.custom(
+        flag, "N", std::to_string(value),
+        [flag, &value, least, most](const std::string &given) {
+            const std::optional<uint64_t> number = parse_unsigned(given);
+            if (!number || *number < least || *number > most) {
+                refuse_value(
+                    flag, given,
+                    "a whole number, " + std::to_string(least) + ".." + std::to_string(most));
+            }
+            value = static_cast<T>(*number);
+        },
+        help);
+}
+
+void add_modbus(CommandLine &line, ModbusOptions &modbus, ControllerSettings &controller) {
+    line.text("--bind", modbus.bind, "ADDRESS",
+              "to listen for Modbus/TCP there; another than loopback\nneeds --allow");
+    whole(line, "--port", modbus.port, 0, 65535, "0: any free one, which the log tells");
+    line.app()
+        .add_option("--allow", modbus.allow, "networks that may connect beside this machine")
+        ->option_text("CIDR ...");
+    line.text("--writer-a", modbus.writer_a, "ADDRESS",
+              "the one address that may write arm A's commands; without\nit 127.0.0.1");
+    line.text("--writer-b", modbus.writer_b, "ADDRESS", "the same for arm B");
+    line.custom(
+        "--word-order", "ABCD|CDAB", "ABCD",
+        [&controller](const std::string &value) {
+            if (value != "ABCD" && value != "CDAB")
+                refuse_value("--word-order", value, "ABCD or CDAB");
+            controller.word_order = value == "ABCD" ? WordOrder::kHighFirst : WordOrder::kLowFirst;
+        },
+        "of 32-bit values: high word first, or low word first");
+    whole(line, "--heartbeat-ms", controller.heartbeat_ms, 100, kLongestHeartbeat,
+          "a PLC whose heartbeat is older is lost: Held");
+    whole(line, "--reserve-ms", controller.reserve_ms, 0, kLongestReserve,
+          "of a plan's deadline, for the journal and the wire");
+}
+
+}  // namespace
+
+Settings::Settings() { packing.set_scenario(kScenario); }
+
+PlanSettings Settings::plan_settings() const {
+    const PackOptions options = packing.pack_options();
+    PlanSettings plan;
+    plan.scenario = options.scenario;
+    plan.planner = options.planner;
+    plan.policy = packing.policy_name();
+    return plan;
+}
+
+void add_options(CommandLine &line, Settings &s) {
+    line.app().set_config("--config", "", "options from a file, one a line: port = 1502");
+    line.app().allow_config_extras(CLI::config_extras_mode::error);
+    line.custom(
+        "--cell", "NAME", s.cell, [&s](const std::string &value) { read_cell_name(value, s.cell); },
+        "the cell's name, in the topics and on the page");
+    line.text("--journal", s.journal, "FILE", "what was done; made if it is not there");
+    line.custom(
+        "--bin", "WxH",
+        std::to_string(s.controller.bin_w) + "x" + std::to_string(s.controller.bin_h),
+        [&s](const std::string &value) {
+            read_bin_cells("--bin", value, s.controller.bin_w, s.controller.bin_h);
+        },
+        "the first bin of a new journal, in cells");
+    s.packing.add_planner_to(line);
+    add_modbus(line, s.modbus, s.controller);
+    add_mqtt_options(line, s.mqtt);
+    line.flag("--pool", s.pool,
+              "let planners behind the broker plan (packcell-planner);\n"
+              "what they do not answer in time is planned here");
+    line.text("--http", s.http, "HOST:PORT", "a page for operators there, to look at only");
+    line.flag("--quiet", s.quiet, "log alarms alone");
+    line.flag("--print-journal", s.print_journal, "print the journal as JSON lines and exit");
+    line.text("--episodes", s.episodes, "FILE",
+              "write the journal's closed bins as episodes and exit");
+    line.text("--instances", s.instances, "FILE", "and the items that arrived as their stream");
+}
+
+void check_settings(Settings &s) {
+    s.controller.scenario = s.packing.pack_options().scenario;
+    check_modbus_options(s.modbus);
+    check_mqtt_options(s.mqtt);
+    if (s.pool && !s.mqtt.given) throw UsageError("--pool: must go with --mqtt");
+    if (s.pool && is_policy_file(s.packing.policy_name()))
+        throw UsageError("--pool: must go with a built-in --policy");
+}
+
+}  // namespace packcell_programs
