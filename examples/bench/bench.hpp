@@ -20,6 +20,8 @@ int run_compare(const Bench &bench, int argc, const char *const *argv);
 int run_inference(const Bench &bench, int argc, const char *const *argv);
 int run_makespan(const Bench &bench, int argc, const char *const *argv);
 int run_jam(const Bench &bench, int argc, const char *const *argv);
+int run_fleet(const Bench &bench, int argc, const char *const *argv);
+int run_gateway(const Bench &bench, int argc, const char *const *argv);
 
 constexpr Bench kBenches[] = {
     {"random", "Table (a): Random streams, six scenarios, without and with rotation", run_random},
@@ -38,6 +40,9 @@ constexpr Bench kBenches[] = {
      run_makespan},
     {"jam", "how often an item jams, against the items' clearance and the noise of their places",
      run_jam},
+    {"fleet", "planners behind an MQTT broker: plans a second and how soon they come", run_fleet},
+    {"gateway", "how soon the gateway acknowledges commands, ends plans and answers reads",
+     run_gateway},
 };
 
 }  // namespace packcell_programs

@@ -58,7 +58,7 @@ EOF
 
 # ---- Names and help ------------------------------------------------------------------------------
 names=$("$bench" list | cut -d' ' -f1 | tr '\n' ' ')
-[ "$names" = "random full repack-time selection bound offline large compare inference makespan jam " ] ||
+[ "$names" = "random full repack-time selection bound offline large compare inference makespan jam fleet gateway " ] ||
     fail "list: $names"
 for name in ${names/compare/}; do # test_compare.sh judges that one
     "$bench" "$name" --help >"$work/text" || fail "$name --help"
