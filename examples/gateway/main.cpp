@@ -1,7 +1,8 @@
 // packcell-gateway: serves a packing cell to its PLC by Modbus/TCP and to the MES by MQTT.
 #include <poll.h>
+#include <unistd.h>
 
-#include <chrono>
+#include <cerrno>
 #include <memory>
 #include <string>
 
@@ -143,6 +144,13 @@ private:
     std::unique_ptr<MesLink> mes_;
 };
 
+// For those who only look: a mistyped name is not to become an empty journal.
+std::unique_ptr<SqliteJournal> open_existing(const std::string &path) {
+    if (access(path.c_str(), F_OK) != 0)
+        throw Failure(system_message("journal '" + path + "'", errno));
+    return std::make_unique<SqliteJournal>(path);
+}
+
 int run(int argc, const char *const *argv) {
     Settings settings;
     CommandLine line(
@@ -157,11 +165,11 @@ int run(int argc, const char *const *argv) {
     if (const std::optional<int> code = line.parse(argc, argv)) return *code;
     check_settings(settings);
     if (settings.print_journal) {
-        print_journal(SqliteJournal(settings.journal));
+        print_journal(*open_existing(settings.journal));
         return kExitDone;
     }
     if (!settings.episodes.empty() || !settings.instances.empty()) {
-        export_episodes(SqliteJournal(settings.journal), settings.packing.label(),
+        export_episodes(*open_existing(settings.journal), settings.packing.label(),
                         settings.episodes, settings.instances);
         return kExitDone;
     }
