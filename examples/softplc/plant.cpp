@@ -1,6 +1,7 @@
 #include "softplc/plant.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -86,7 +87,9 @@ std::vector<pkc_item> Plant::advance_belt() {
 std::vector<double> Plant::releases(int32_t arm, int32_t item, double from, double until) const {
     std::vector<double> times;
     bool releasing = false;
-    for (double t = from; t < until; t += kSample) {
+    const auto samples = static_cast<int>(std::ceil((until - from) / kSample));
+    for (int i = 0; i < samples; ++i) {
+        const double t = from + i * kSample;
         pkc_arm_sample sample{};
         check(pkc_schedule_sample(schedule_.get(), arm, t, &sample));
         const bool now = sample.activity == PKC_ACTIVITY_RELEASE && sample.item == item;

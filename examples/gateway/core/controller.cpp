@@ -179,7 +179,7 @@ void Controller::read_block(int arm, const Moment &now) {
 Refusal Controller::judge(const Command &command, int arm) const {
     if (command.what() == Code::kPlanNext) {
         // What must be resolved is to be known in Stopped too.
-        if (const Refusal refusal = cell_.judge(command, arm)) return refusal;
+        if (Refusal refusal = cell_.judge(command, arm)) return refusal;
         if (state_ != PackmlState::kExecute)
             return {Reject::kWrongState,
                     std::string("state ") + packml_name(state_) + ": must be Execute"};
@@ -228,7 +228,7 @@ void Controller::show_refusal(int arm, uint16_t number, const Refusal &refusal) 
 }
 
 Refusal Controller::take_order(uint16_t what, const JobOrder &order, const Moment &now) {
-    if (const Refusal refusal = cell_.judge_order(what, order.id)) return refusal;
+    if (Refusal refusal = cell_.judge_order(what, order.id)) return refusal;
     Record record;
     record.kind = RecordKind::kJobOrder;
     record.code = what;
