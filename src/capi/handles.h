@@ -74,7 +74,7 @@ struct FirstLayout<pkc_scenario> {
 };
 template <>
 struct FirstLayout<pkc_queue_info> {
-    static constexpr size_t size = 24;
+    static constexpr size_t size = 28;
 };
 template <>
 struct FirstLayout<pkc_grid> {

@@ -580,7 +580,8 @@ static void two_threads_never_share_a_handle(void **state) {
     assert_true(a.oks > 0 && b.oks > 0);
     /* And nobody left a handle busy. */
     CHECK_OK(pkc_bin_clear(a.bin));
-    CHECK_OK(pkc_queue_get_info(a.queue, &(pkc_queue_info){24, 0, 0, 0, 0, 0, 0}));
+    CHECK_OK(
+        pkc_queue_get_info(a.queue, &(pkc_queue_info){sizeof(pkc_queue_info), 0, 0, 0, 0, 0, 0}));
     pkc_bin_free(a.bin);
     pkc_queue_free(a.queue);
     pkc_generator_free(a.generator);

@@ -64,9 +64,11 @@ for name in ${names/compare/}; do # test_compare.sh judges that one
     "$bench" "$name" --help >"$work/text" || fail "$name --help"
     planning=--budget-nodes
     [ "$name" != inference ] || planning=--seconds
-    for option in --seed --json --policy "$planning" --threads 'Exit codes'; do
+    [ "$name" != gateway ] || planning=--plans
+    for option in --seed --json "$planning" --threads 'Exit codes'; do
         grep -q -e "$option" "$work/text" || fail "$name --help: nothing about $option"
     done
+    [ "$name" = gateway ] || grep -q -e --policy "$work/text" || fail "$name --help: no --policy"
     [ "$(wc -L <"$work/text")" -le 100 ] || fail "$name --help: a line of more than 100 columns"
 done
 "$bench" --help | grep -q 'selection' || fail '--help names no benches'
