@@ -50,7 +50,6 @@ public:
     // Whether the last step ended with a terminate that stands, or nothing more can lie in the bin.
     bool bin_is_over() const { return over_; }
     // A terminate that came with a place that failed stands only if the gateway insists on it.
-    bool end_is_open() const { return plan_ends_bin_ && !over_; }
     void accept_end() { over_ = true; }
     // What was packed, as an episode; an empty bin takes its place.
     Bin close_bin();

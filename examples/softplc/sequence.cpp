@@ -113,7 +113,9 @@ bool Sequence::reach_execute() {
                           ": must reach Execute, 6");
         // It resumes by itself once it has items and room.
         const bool patient = plc_.state() == kSuspended && ++suspended < kPausesSuspended;
-        if (suspended >= 2 * kPausesSuspended && plant_.end_is_open()) return false;
+        // Not for want of items: then the bin is to be changed, whoever read the plan that says so.
+        const int waiting = plc_.status(kStatusItemsOnBelt) + plc_.status(kStatusBuffered);
+        if (plc_.state() == kSuspended && !patient && waiting > 0) return false;
         const uint16_t control = patient ? uint16_t{0} : way_to_execute(plc_.state());
         if (control != 0) plc_.control(control);
         for (double waited = 0; waited < kStatePause && plc_.state() != kExecute; waited += 0.005)

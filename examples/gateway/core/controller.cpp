@@ -180,13 +180,19 @@ Refusal Controller::judge(const Command &command, int arm) const {
     if (command.what() == Code::kPlanNext) {
         // What must be resolved is to be known in Stopped too.
         if (Refusal refusal = cell_.judge(command, arm)) return refusal;
-        if (state_ != PackmlState::kExecute)
+        if (state_ != PackmlState::kExecute && !is_owed_end(arm))
             return {Reject::kWrongState,
                     std::string("state ") + packml_name(state_) + ": must be Execute"};
         if (wishes_[arm]) return {Reject::kWrongState, "the last PLAN_NEXT has not ended"};
         return {};
     }
     return cell_.judge(command, arm);
+}
+
+// The step that closes the bin is for both arms, though the cell is Suspended by then.
+bool Controller::is_owed_end(int arm) const {
+    const CurrentStep &step = cell_.step();
+    return want_ == Want::kBin && step.ends_bin() && !step.is_fetched(arm);
 }
 
 Refusal Controller::accept(int arm, uint16_t number, const Command &command, const Moment &now) {
@@ -359,7 +365,7 @@ void Controller::pump(const Moment &now) {
 void Controller::pump_arm(int arm, const Moment &now) {
     const CurrentStep &step = cell_.step();
     const bool late = now.micros >= wishes_[arm]->deadline_at;
-    if (step.has_open()) {
+    if (step.has_open() || (step.ends_bin() && !step.is_fetched(arm))) {
         // The other arm's step is this one's too; once it has it, it waits for the other to end.
         if (!step.is_fetched(arm)) {
             finish(arm, {PlanResult::kPlan, true, step.micros(), step.not_failed()}, now);
@@ -426,6 +432,7 @@ void Controller::plan_done(uint64_t ticket, const PlanAnswer &answer, const Mome
             end_wish(owner_, PlanResult::kNoPlan);
         }
     }
+    pump(now);  // the other arm gets the same before it may suspend
     move_on();
     pump(now);
     publish(now);

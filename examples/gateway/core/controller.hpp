@@ -99,6 +99,7 @@ private:
     void read_link(const Registers &before, const Moment &now);
     void read_block(int arm, const Moment &now);
     Refusal judge(const Command &command, int arm) const;
+    bool is_owed_end(int arm) const;
     Refusal accept(int arm, uint16_t number, const Command &command, const Moment &now);
     void show_refusal(int arm, uint16_t number, const Refusal &refusal);
 

@@ -4,7 +4,7 @@
 usage: drive.py registers PORT FIRST COUNT
        drive.py sample PID PORT FILE          until that process has ended
        drive.py grown FILE SECONDS            of simulated time that the samples cover
-       drive.py kills GATEWAY KILLS SEED PREFIX [OPTION...]   until SIGTERM
+       drive.py kills GATEWAY KILLS SEED|end PREFIX [OPTION...]   until SIGTERM
        drive.py same EPISODES EPISODES
        drive.py fields FILE CONDITION         a Python expression over the file's JSON line `r`
 
@@ -21,7 +21,8 @@ import sys
 import time
 
 PATIENCE = 60  # seconds until something that must come counts as missing
-STATUS, JOURNAL_SEQUENCE, QUEUE_DEPTH, BINS_CLOSED = 200, 18, 15, 24
+STATUS, STATE, QUEUE_DEPTH, JOURNAL_SEQUENCE, BINS_CLOSED = 200, 5, 15, 18, 24
+SUSPENDING = 13
 WARM_UP = 0.25  # of the bins, until caches and heaps have found their size
 MEGABYTES_AN_HOUR = 2
 
@@ -142,9 +143,21 @@ class Killed:
             time.sleep(0.001)
 
 
+def await_moment(gateway, chance):
+    """Until it is to be killed: somewhere, within a plan, or without `chance` at a bin's end."""
+    if chance is None:
+        gateway.wait_for(lambda s: s[STATE] == SUSPENDING)
+        return
+    wanted = double_word(gateway.client.status(), JOURNAL_SEQUENCE) + chance.randint(3, 40)
+    gateway.wait_for(lambda s: double_word(s, JOURNAL_SEQUENCE) >= wanted)
+    if chance.random() < 0.5:
+        gateway.wait_for(lambda s: s[QUEUE_DEPTH] > 0)
+    time.sleep(chance.uniform(0, 0.006))
+
+
 def kills(program, count, seed, prefix, *options):
     """PREFIX.port, PREFIX.journal, PREFIX.log; PREFIX.done when it was killed that often."""
-    chance = random.Random(int(seed))
+    chance = None if seed == "end" else random.Random(int(seed))
     gateway = Killed(program, prefix, options)
 
     def end(*_):
@@ -156,12 +169,7 @@ def kills(program, count, seed, prefix, *options):
         signal.signal(signal.SIGTERM, end)
         pathlib.Path(prefix + ".port").write_text(str(gateway.port), encoding="ascii")
         for _ in range(int(count)):
-            begin = double_word(gateway.client.status(), JOURNAL_SEQUENCE)
-            wanted = begin + chance.randint(3, 40)
-            gateway.wait_for(lambda s, w=wanted: double_word(s, JOURNAL_SEQUENCE) >= w)
-            if chance.random() < 0.5:  # within a plan, else anywhere
-                gateway.wait_for(lambda s: s[QUEUE_DEPTH] > 0)
-            time.sleep(chance.uniform(0, 0.006))
+            await_moment(gateway, chance)
             gateway.stop(signal.SIGKILL)
             gateway.start()
         pathlib.Path(prefix + ".done").touch()
