@@ -19,7 +19,8 @@ CTEST = ctest --test-dir $(1) --output-on-failure --no-tests=error --timeout $(T
 
 # The verbs share build folders.
 .NOTPARALLEL:
-.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy format install clean help
+.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy checkabi storeabi format \
+    install clean help
 
 build: build/build.ninja
 	@$(call COMPILE,build)
@@ -31,7 +32,7 @@ build/build.ninja:
 	@$(CONFIGURE) -B build -DPACKCELL_TESTS=OFF
 
 build/tests/CTestTestfile.cmake: | build/build.ninja
-	@.ci/setup build test
+	@.ci/setup build test bindings
 	@$(CONFIGURE) -B build -DPACKCELL_TESTS=ON
 
 run: build
@@ -122,6 +123,19 @@ tidy: build
 	    | xargs -0 -n 1 -P $(JOBS) clang-tidy -p build --quiet 2>build/tidy.log \
 	    || { grep -v 'warnings generated' build/tidy.log; exit 1; }
 
+# The interface as the debug information has it; a difference to the stored one is to be a deliberate one.
+build/abi/lib/libpackcell.so.0: FORCE
+	@.ci/setup build bindings
+	@$(CONFIGURE) -B build/abi -DCMAKE_BUILD_TYPE=Debug -DPACKCELL_PROGRAMS=OFF -DPACKCELL_TESTS=OFF
+	@$(call COMPILE,build/abi --target packcell)
+FORCE:
+
+checkabi: build/abi/lib/libpackcell.so.0
+	@tests/abi/check.sh $< .
+
+storeabi: build/abi/lib/libpackcell.so.0
+	@tests/abi/check.sh --store $< .
+
 format:
 	@.ci/setup test
 	@tests/house/test_format.sh --fix .
@@ -150,6 +164,8 @@ help:
 	@echo "make tsan       tests with the thread sanitizer"
 	@echo "make valgrind   unit and api tests under valgrind"
 	@echo "make tidy       clang-tidy over src/ and examples/"
+	@echo "make checkabi   compare the library's interface with the stored one"
+	@echo "make storeabi   store it anew, after a deliberate change"
 	@echo "make format     clang-format over all sources"
 	@echo "make install    install (PREFIX=$(PREFIX) DESTDIR=)"
 	@echo "make clean      remove build/ and out/"

@@ -1,0 +1,1 @@
+"""Reads packcell.h (header.py) and writes each language's raw layer from what was read."""
