@@ -1,0 +1,136 @@
+package io.packcell;
+
+import com.sun.jna.Pointer;
+import com.sun.jna.ptr.IntByReference;
+import com.sun.jna.ptr.PointerByReference;
+import java.util.List;
+
+/** Plans the next step. */
+public final class Planner extends Handle {
+    /** Algorithms 1-3 of the paper as written, or the same tree with equal states once. */
+    public enum Method { PAPER, EXACT }
+
+    public enum Repack { OFF, ANYTIME, FULL }
+
+    /** In select: two candidates in method PAPER with repacking, else all. */
+    public static final int SELECT_AUTO = Raw.PKC_SELECT_AUTO;
+    public static final int SELECT_ALL = Raw.PKC_SELECT_ALL;
+    /** In bufferCapacity. */
+    public static final int UNLIMITED = Raw.PKC_UNLIMITED;
+
+    private static final Raw LIBRARY = Raw.LIBRARY;
+
+    /** A new one has the library's defaults. */
+    public static final class Options {
+        final Raw.pkc_planner_options raw = new Raw.pkc_planner_options();
+
+        public Options() {
+            Native.check(LIBRARY.pkc_planner_options_init(raw, raw.size()));
+        }
+
+        public Options method(Method method) {
+            raw.method = Native.code(method);
+            return this;
+        }
+
+        /** Items may be turned. */
+        public Options rotation(boolean rotation) {
+            raw.rotation = rotation ? 1 : 0;
+            return this;
+        }
+
+        public Options repack(Repack repack) {
+            raw.repack = Native.code(repack) - 1;
+            return this;
+        }
+
+        /** SELECT_AUTO, SELECT_ALL, or candidates kept a node, 1..128. */
+        public Options select(int candidates) {
+            raw.select = candidates;
+            return this;
+        }
+
+        /** Items that an arm's buffer holds, 0..4096, or UNLIMITED. */
+        public Options bufferCapacity(int items) {
+            raw.buffer_capacity = items;
+            return this;
+        }
+
+        /** An accessible item that cannot be placed is skipped for good. */
+        public Options skip(boolean skip) {
+            raw.skip = skip ? 1 : 0;
+            return this;
+        }
+
+        /** Largest bin side, most items in the bin, most recognised and buffered ones. */
+        public Options limits(int maxSide, int maxItems, int maxKnown) {
+            raw.max_side = maxSide;
+            raw.max_items = maxItems;
+            raw.max_known = maxKnown;
+            return this;
+        }
+
+        /** Bytes for tables, 64 KiB..4 GiB. */
+        public Options memory(long bytes) {
+            raw.memory = bytes;
+            return this;
+        }
+    }
+
+    /** With the defaults and the default policy. */
+    public Planner() {
+        this(null, null);
+    }
+
+    /** Null options are the defaults, a null policy is the default one. */
+    public Planner(Options options, Policy policy) {
+        super(create(options, policy), LIBRARY::pkc_planner_free);
+    }
+
+    private static Pointer create(Options options, Policy policy) {
+        PointerByReference out = new PointerByReference();
+        Native.check(policy, p -> {
+            if (p == null) Native.requireOpen(policy, "policy");
+            return LIBRARY.pkc_planner_create(options == null ? null : options.raw, p, out);
+        });
+        return out.getValue();
+    }
+
+    /** Plans for what bin and queue hold; changes neither. A null budget is the default one. */
+    public Plan plan(Bin bin, Queue queue, Budget budget) {
+        Raw.pkc_budget raw = Budget.raw(budget);
+        Native.check(this, bin, queue,
+                (p, b, q) -> LIBRARY.pkc_planner_plan(p, b, q, raw, null));
+        return result();
+    }
+
+    public Plan plan(Bin bin, Queue queue) {
+        return plan(bin, queue, null);
+    }
+
+    /** The same work in slices: the state is copied, step does the work. */
+    public void begin(Bin bin, Queue queue, Budget budget) {
+        Raw.pkc_budget raw = Budget.raw(budget);
+        Native.check(this, bin, queue, (p, b, q) -> LIBRARY.pkc_planner_begin(p, b, q, raw));
+    }
+
+    /** Spends up to so many nodes, at least 1; true when nothing is left to do. */
+    public boolean step(long nodes) {
+        IntByReference done = new IntByReference();
+        Native.check(this, p -> LIBRARY.pkc_planner_step(p, nodes, done));
+        return done.getValue() != 0;
+    }
+
+    /** The plan, or before it is done the best so far. */
+    public Plan result() {
+        Raw.pkc_plan_info info = Plan.Info.fresh();
+        List<Action> actions = Native.structsOf(this, new Raw.pkc_action(), Action::from,
+                p -> (a, n, count) -> LIBRARY.pkc_planner_result(p, info, a, n, count));
+        return new Plan(Plan.Info.from(info), actions);
+    }
+
+    /** From any thread: the plan being made ends at once with the best so far. */
+    public void cancel() {
+        Native.check(this, LIBRARY::pkc_planner_cancel);
+    }
+}

@@ -1,0 +1,85 @@
+package io.packcell;
+
+import com.sun.jna.Pointer;
+import java.util.List;
+
+/** The conveyor and one buffer an arm. */
+public final class Queue extends Handle {
+    private static final Raw LIBRARY = Raw.LIBRARY;
+
+    /** Items by where they are; alphaLeft is for setAlphaLeft of a queue that is rebuilt. */
+    public record Info(int belt, int buffered, int kAlpha, int kShared, int kBeta, int alphaLeft) {}
+
+    public Queue(Scenario scenario) {
+        this(create(Scenario.raw(scenario)));
+    }
+
+    /** By the scenario's name. */
+    public Queue(String scenario) {
+        this(Scenario.parse(scenario));
+    }
+
+    Queue(Pointer pointer) {
+        super(pointer, LIBRARY::pkc_queue_free);
+    }
+
+    private static Pointer create(Raw.pkc_scenario scenario) {
+        return Native.made(out -> LIBRARY.pkc_queue_create(scenario, out));
+    }
+
+    public Queue copy() {
+        return new Queue(Native.made(this, p -> out -> LIBRARY.pkc_queue_clone(p, out)));
+    }
+
+    /** An item arrives at the conveyor's end. */
+    public void push(Item item) {
+        Raw.pkc_item raw = Item.raw(item);
+        Native.check(this, p -> LIBRARY.pkc_queue_push(p, raw));
+    }
+
+    /** An item leaves without being packed; the conveyor advances. */
+    public void remove(int id) {
+        Native.check(this, p -> LIBRARY.pkc_queue_remove(p, id));
+    }
+
+    /** Several leave at once, all or none. */
+    public void removeAll(int... ids) {
+        long count = ids == null ? 1 : ids.length;
+        Native.check(this, p -> LIBRARY.pkc_queue_remove_items(p, ids, count));
+    }
+
+    public void putInBuffer(Item item, int arm) {
+        Raw.pkc_item raw = Item.raw(item);
+        Native.check(this, p -> LIBRARY.pkc_queue_put_in_buffer(p, raw, arm));
+    }
+
+    public void setAlphaLeft(int items) {
+        Native.check(this, p -> LIBRARY.pkc_queue_set_alpha_left(p, items));
+    }
+
+    public Scenario scenario() {
+        Raw.pkc_scenario raw = Scenario.fresh();
+        Native.check(this, p -> LIBRARY.pkc_queue_get_scenario(p, raw));
+        return Scenario.from(raw);
+    }
+
+    public Info info() {
+        Raw.pkc_queue_info raw = new Raw.pkc_queue_info();
+        Native.check(LIBRARY.pkc_queue_info_init(raw, raw.size()));
+        Native.check(this, p -> LIBRARY.pkc_queue_get_info(p, raw));
+        return new Info(raw.belt, raw.buffered, raw.k_alpha, raw.k_shared, raw.k_beta,
+                raw.alpha_left);
+    }
+
+    /** The conveyor's items in arrival order. */
+    public List<Queued> belt() {
+        return Native.structsOf(this, new Raw.pkc_queued(), Queued::from,
+                p -> (a, n, count) -> LIBRARY.pkc_queue_belt(p, a, n, count));
+    }
+
+    /** The buffered ones in the order they were unpacked. */
+    public List<Queued> buffer() {
+        return Native.structsOf(this, new Raw.pkc_queued(), Queued::from,
+                p -> (a, n, count) -> LIBRARY.pkc_queue_buffer(p, a, n, count));
+    }
+}
