@@ -19,8 +19,8 @@ CTEST = ctest --test-dir $(1) --output-on-failure --no-tests=error --timeout $(T
 
 # The verbs share build folders.
 .NOTPARALLEL:
-.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy checkabi storeabi format \
-    install clean help
+.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy checkabi storeabi docs deb check-packages \
+    format install clean help
 
 build: build/build.ninja
 	@$(call COMPILE,build)
@@ -136,6 +136,25 @@ checkabi: build/abi/lib/libpackcell.so.0
 storeabi: build/abi/lib/libpackcell.so.0
 	@tests/abi/check.sh --store $< .
 
+# The API's reference, from the public headers.
+docs:
+	@.ci/setup docs
+	@docs/doxygen_filter.py --check include/packcell.h
+	@mkdir -p build/docs
+	@doxygen docs/Doxyfile
+	@doxygen docs/Doxyfile.cpp
+	@echo "build/docs/html/index.html"
+
+# Debian packages; the second verb installs them into a fresh root, which takes root and minutes.
+deb:
+	@.ci/setup build deb
+	@debian/make-packages build/deb $(JOBS)
+	@ls build/deb/*.deb
+
+check-packages: deb
+	@.ci/setup packages
+	@PACKCELL_PACKAGES=build/deb tests/packages/test_packages.sh build .
+
 format:
 	@.ci/setup test
 	@tests/house/test_format.sh --fix .
@@ -166,6 +185,8 @@ help:
 	@echo "make tidy       clang-tidy over src/ and examples/"
 	@echo "make checkabi   compare the library's interface with the stored one"
 	@echo "make storeabi   store it anew, after a deliberate change"
+	@echo "make docs       the API's reference in build/docs/html"
+	@echo "make deb        Debian packages in build/deb; check-packages installs them in a fresh root"
 	@echo "make format     clang-format over all sources"
 	@echo "make install    install (PREFIX=$(PREFIX) DESTDIR=)"
 	@echo "make clean      remove build/ and out/"
