@@ -142,7 +142,10 @@ int run(int argc, const char *const *argv) {
     } catch (...) {
         failure = std::current_exception();
     }
-    if (failure && plc.counts().commands == 0) std::rethrow_exception(failure);
+    // Whoever is told to end before the gateway was there has nothing to say.
+    const bool idle = plc.counts().commands == 0;
+    if (failure && idle && interrupt_signal() == 0) std::rethrow_exception(failure);
+    if (idle && interrupt_signal() != 0) return kExitSignal + interrupt_signal();
     report.finish(plant.stream(), plant.bin_w(), plant.bin_h(), sequence.counts(), plc.counts(),
                   plant.seconds());
     if (failure) std::rethrow_exception(failure);

@@ -324,13 +324,16 @@ ends 'another scenario: the gateway' 143 "$serving" TERM
 
 # ---- Ctrl-C --------------------------------------------------------------------------------------
 start interrupted
-works() { [ "$(python3 "$drive" registers "$port" 218 2 | cut -d' ' -f2)" -gt 10 ]; }
+recorded() { python3 "$drive" registers "$port" 218 2 | cut -d' ' -f2; }
+before=0
+works() { [ "$(recorded)" -gt $((before + 10)) ]; }
 start_plc interrupted --accelerate --seconds 1000000
 within $patience works || fail 'Ctrl-C: no work'
 plc_ends interrupted 130 INT
 totals interrupted "r['bins'] == $(closed) and r['bins'] > 0"
 python3 "$drive" registers "$port" 221 3 >left
 [ "$(cat left)" = '0 0 0' ] || fail "Ctrl-C: bin, belt and buffers hold $(cat left)"
+before=$(recorded)
 start_plc terminated --accelerate --seconds 1000000
 within $patience works || fail 'SIGTERM: no work'
 plc_ends terminated 143 TERM
