@@ -90,7 +90,7 @@ class Cell(Handle):
         check(raw.pkc_cell_check(self._handle, byref(scenario_in(scenario))))
 
     def inverse(self, arm: int, pose: Sequence[float]) -> tuple[float, ...]:
-        """Joints at which the arm's tool, straight down, has its tip at (x, y, z), turned by yaw."""
+        """Joints at which the tool, straight down, has its tip at (x, y, z) with this yaw."""
         joints = (ctypes.c_double * MAX_JOINTS)()
         check(raw.pkc_cell_inverse(self._handle, int32("arm", arm), _doubles("pose", pose, 4, 4),
                                    joints))

@@ -45,7 +45,7 @@ class ClosedError(ArgumentError):
 
 
 class StructError(PackcellError):
-    """The library does not know the layout of a struct: package and library do not belong together."""
+    """The library does not know a struct's layout: package and library do not fit."""
 
 
 class OutOfMemoryError(PackcellError, MemoryError):

@@ -8,7 +8,8 @@ from setting import numpy
 
 import packcell
 from packcell import (Action, Bin, Budget, BusyError, Cell, ClosedError, Generate, Generator, Item,
-                      Mode, PackcellError, Planner, Policy, Queue, Repack, Schedule, Status, Trainer)
+                      Mode, PackcellError, Planner, Policy, Queue, Repack, Schedule, Status,
+                      Trainer)
 
 
 class StatusTest(unittest.TestCase):
