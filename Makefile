@@ -142,7 +142,7 @@ docs:
 	@docs/doxygen_filter.py --check include/packcell.h
 	@mkdir -p build/docs
 	@doxygen docs/Doxyfile
-	@doxygen docs/Doxyfile.cpp
+	@doxygen docs/Doxyfile-cpp
 	@echo "build/docs/html/index.html"
 
 # Debian packages; the second verb installs them into a fresh root, which takes root and minutes.
