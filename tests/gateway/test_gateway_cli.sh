@@ -42,6 +42,7 @@ has() {
 start() {
     local name=$1
     shift
+    rm -f "$name.log" # the last start's would be taken for this one's
     "$gateway" --journal "$name.journal" --port 0 "$@" >"$name.out" 2>"$name.log" &
     job=$!
     jobs_started+=("$job")

@@ -107,6 +107,7 @@ ends() {
 start() {
     local name=$1
     shift
+    rm -f "$name.log" # the last start's would be taken for this one's
     "$gateway" --journal "$name.journal" --port 0 "$@" 2>"$name.log" &
     serving=$!
     jobs_started+=("$serving")
