@@ -21,27 +21,12 @@ void read_cell_name(const std::string &value, std::string &cell) {
     cell = value;
 }
 
-template <typename T>
-void whole(CommandLine &line, const std::string &flag, T &value, uint64_t least, uint64_t most,
-           const std::string &help) {
-    line.custom(
-        flag, "N", std::to_string(value),
-        [flag, &value, least, most](const std::string &given) {
-            const std::optional<uint64_t> number = parse_unsigned(given);
-            if (!number || *number < least || *number > most) {
-                refuse_value(
-                    flag, given,
-                    "a whole number, " + std::to_string(least) + ".." + std::to_string(most));
-            }
-            value = static_cast<T>(*number);
-        },
-        help);
-}
-
-void add_modbus(CommandLine &line, ModbusOptions &modbus, ControllerSettings &controller) {
+void add_modbus(CommandLine &line, Settings &s) {
+    ModbusOptions &modbus = s.modbus;
+    ControllerSettings &controller = s.controller;
     line.text("--bind", modbus.bind, "ADDRESS",
               "to listen for Modbus/TCP there; another than loopback\nneeds --allow");
-    whole(line, "--port", modbus.port, 0, 65535, "0: any free one, which the log tells");
+    line.whole("--port", s.port, 0, 65535, "0: any free one, which the log tells");
     line.app()
         .add_option("--allow", modbus.allow, "networks that may connect beside this machine")
         ->option_text("CIDR ...");
@@ -56,10 +41,10 @@ void add_modbus(CommandLine &line, ModbusOptions &modbus, ControllerSettings &co
             controller.word_order = value == "ABCD" ? WordOrder::kHighFirst : WordOrder::kLowFirst;
         },
         "of 32-bit values: high word first, or low word first");
-    whole(line, "--heartbeat-ms", controller.heartbeat_ms, 100, kLongestHeartbeat,
-          "a PLC whose heartbeat is older is lost: Held");
-    whole(line, "--reserve-ms", controller.reserve_ms, 0, kLongestReserve,
-          "of a plan's deadline, for the journal and the wire");
+    line.whole("--heartbeat-ms", s.heartbeat_ms, 100, kLongestHeartbeat,
+               "a PLC whose heartbeat is older is lost: Held");
+    line.whole("--reserve-ms", s.reserve_ms, 0, kLongestReserve,
+               "of a plan's deadline, for the journal and the wire");
 }
 
 }  // namespace
@@ -90,7 +75,7 @@ void add_options(CommandLine &line, Settings &s) {
         },
         "the first bin of a new journal, in cells");
     s.packing.add_planner_to(line);
-    add_modbus(line, s.modbus, s.controller);
+    add_modbus(line, s);
     add_mqtt_options(line, s.mqtt);
     line.flag("--pool", s.pool,
               "let planners behind the broker plan (packcell-planner);\n"
@@ -104,6 +89,9 @@ void add_options(CommandLine &line, Settings &s) {
 }
 
 void check_settings(Settings &s) {
+    s.modbus.port = static_cast<int>(s.port);
+    s.controller.heartbeat_ms = static_cast<int64_t>(s.heartbeat_ms);
+    s.controller.reserve_ms = static_cast<int64_t>(s.reserve_ms);
     s.controller.scenario = s.packing.pack_options().scenario;
     check_modbus_options(s.modbus);
     check_mqtt_options(s.mqtt);

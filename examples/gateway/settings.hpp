@@ -19,6 +19,10 @@ struct Settings {
     std::string journal = "packcell-gateway.journal";
     ControllerSettings controller;
     ModbusOptions modbus;
+    // As given; check_settings() puts them into the two above.
+    uint64_t port = 1502;
+    uint64_t heartbeat_ms = 1000;
+    uint64_t reserve_ms = 12;
     PackingOptions packing;
     MqttOptions mqtt;
     bool pool = false;  // ask the planners behind the broker first
@@ -36,7 +40,7 @@ struct Settings {
 // Adds the options to the line; `settings` is to be kept until it was parsed.
 void add_options(CommandLine &line, Settings &settings);
 
-// After parsing. Throws UsageError for what does not go together.
+// After parsing: completes the settings. Throws UsageError for what does not go together.
 void check_settings(Settings &settings);
 
 }  // namespace packcell_programs
