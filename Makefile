@@ -19,8 +19,8 @@ CTEST = ctest --test-dir $(1) --output-on-failure --no-tests=error --timeout $(T
 
 # The verbs share build folders.
 .NOTPARALLEL:
-.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy checkabi storeabi docs deb check-packages \
-    format install clean help
+.PHONY: build run test check-all bench train train-a3c fuzz asan tsan valgrind tidy checkabi storeabi \
+    check-arm64 docs deb check-packages format install clean help
 
 build: build/build.ninja
 	@$(call COMPILE,build)
@@ -123,18 +123,24 @@ tidy: build
 	    | xargs -0 -n 1 -P $(JOBS) clang-tidy -p build --quiet 2>build/tidy.log \
 	    || { grep -v 'warnings generated' build/tidy.log; exit 1; }
 
-# The interface as the debug information has it; a difference to the stored one is to be a deliberate one.
-build/abi/lib/libpackcell.so.0: FORCE
+# The interface as the debug information has it; a difference to the stored one is to be a deliberate
+# one. `make test` compares too.
+checkabi storeabi: build/tests/CTestTestfile.cmake
 	@.ci/setup build bindings
-	@$(CONFIGURE) -B build/abi -DCMAKE_BUILD_TYPE=Debug -DPACKCELL_PROGRAMS=OFF -DPACKCELL_TESTS=OFF
-	@$(call COMPILE,build/abi --target packcell)
-FORCE:
+	@$(call COMPILE,build --target packcell_abi)
+	@tests/abi/check.sh $(if $(filter storeabi,$@),--store) build/lib/abi/libpackcell.so.0 .
 
-checkabi: build/abi/lib/libpackcell.so.0
-	@tests/abi/check.sh $< .
-
-storeabi: build/abi/lib/libpackcell.so.0
-	@tests/abi/check.sh --store $< .
+# The tests of the library on a processor of another kind, emulated and so some thirty times slower;
+# what both machines print is compared.
+check-arm64: TIMEOUT = 3600
+check-arm64: build/tests/CTestTestfile.cmake
+	@.ci/setup build test arm64
+	@$(CONFIGURE) -B build/arm64 -DPACKCELL_PROGRAMS=OFF -DPACKCELL_TESTS=ON \
+	    --toolchain $(CURDIR)/tests/arm64/toolchain.cmake -DPACKCELL_TEST_LAUNCHER=qemu-aarch64
+	@$(call COMPILE,build/arm64)
+	@$(call CTEST,build/arm64) --label-regex '^(api|unit)$$'
+	@$(call COMPILE,build --target arm64_report)
+	@tests/arm64/check.sh build build/arm64
 
 # The API's reference, from the public headers.
 docs:
@@ -171,23 +177,24 @@ clean:
 	@rm -rf build out
 
 help:
-	@echo "make            build the library and the programs in build/"
-	@echo "make run        pack bins by the two arms of a cell; replays and drawings in out/ (SEED=$(SEED))"
-	@echo "make test       run every test"
-	@echo "make check-all  tests with full counts, asan, tsan, valgrind, tidy"
-	@echo "make bench      our figures beside the paper's, short counts"
-	@echo "make train      train the default policy; policy and curves in out/ (SEED=$(SEED))"
-	@echo "make train-a3c  train the paper's network likewise"
-	@echo "make fuzz       libFuzzer on weight blobs and on the gateway, FUZZ_SECONDS=$(FUZZ_SECONDS) each"
-	@echo "make asan       tests with the address and undefined-behaviour sanitizers"
-	@echo "make tsan       tests with the thread sanitizer"
-	@echo "make valgrind   unit and api tests under valgrind"
-	@echo "make tidy       clang-tidy over src/ and examples/"
-	@echo "make checkabi   compare the library's interface with the stored one"
-	@echo "make storeabi   store it anew, after a deliberate change"
-	@echo "make docs       the API's reference in build/docs/html"
-	@echo "make deb        Debian packages in build/deb; check-packages installs them in a fresh root"
-	@echo "make format     clang-format over all sources"
-	@echo "make install    install (PREFIX=$(PREFIX) DESTDIR=)"
-	@echo "make clean      remove build/ and out/"
+	@echo "make              build the library and the programs in build/"
+	@echo "make run          pack bins by the two arms of a cell; replays and drawings in out/ (SEED=$(SEED))"
+	@echo "make test         run every test"
+	@echo "make check-all    tests with full counts, asan, tsan, valgrind, tidy"
+	@echo "make bench        our figures beside the paper's, short counts"
+	@echo "make train        train the default policy; policy and curves in out/ (SEED=$(SEED))"
+	@echo "make train-a3c    train the paper's network likewise"
+	@echo "make fuzz         libFuzzer on weight blobs and on the gateway, FUZZ_SECONDS=$(FUZZ_SECONDS) each"
+	@echo "make asan         tests with the address and undefined-behaviour sanitizers"
+	@echo "make tsan         tests with the thread sanitizer"
+	@echo "make valgrind     unit and api tests under valgrind"
+	@echo "make tidy         clang-tidy over src/ and examples/"
+	@echo "make checkabi     compare the library's interface with the stored one"
+	@echo "make storeabi     store it anew, after a deliberate change"
+	@echo "make check-arm64  cross-build, tests under qemu; plans and networks beside this machine's"
+	@echo "make docs         the API's reference in build/docs/html"
+	@echo "make deb          Debian packages in build/deb; check-packages installs them in a fresh root"
+	@echo "make format       clang-format over all sources"
+	@echo "make install      install (PREFIX=$(PREFIX) DESTDIR=)"
+	@echo "make clean        remove build/ and out/"
 	@echo "JOBS=$(JOBS) sets the number of parallel jobs, TIMEOUT=$(TIMEOUT) the seconds a test may take."
