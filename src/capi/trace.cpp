@@ -33,7 +33,9 @@ pkc_status pkc_trace_write_file(const pkc_schedule *schedule, const pkc_simulati
     return guard([&] {
         const Use<const pkc_schedule> use("schedule", schedule);
         require_range("kind", kind, PKC_TRACE_CHROME, PKC_TRACE_REPLAY);
-        require_finite("period", period, 0.0001, 10);
+        const bool sampled =
+            kind == PKC_TRACE_TIMELINE || kind == PKC_TRACE_JOINTS_0 || kind == PKC_TRACE_JOINTS_1;
+        if (sampled) require_finite("period", period, 0.0001, 10);
         require(path, "path");
         if (kind == PKC_TRACE_JOINTS_1 && use->schedule().robots < 2) {
             fail(Status::kArgument, "kind %d: the schedule has one arm", kind);
