@@ -4,34 +4,15 @@
 here=$(dirname "$0")
 # shellcheck source=tests/programs/common.sh
 source "$here/../programs/common.sh" "$@"
-set -m # jobs of their own get the signals that a shell's background job would ignore
+# shellcheck source=tests/programs/jobs.sh
+source "$here/../programs/jobs.sh"
 
 gateway=$(find_program packcell-gateway)
 if [ -z "$gateway" ]; then
     echo "packcell-gateway is not under $build"
     exit 1
 fi
-jobs_started=()
-clean_up() {
-    local job
-    for job in "${jobs_started[@]}"; do
-        kill -KILL "$job" 2>/dev/null || true
-    done
-    wait 2>/dev/null || true
-    rm -rf "$work"
-}
-trap clean_up EXIT
 cd "$work"
-
-# within SECONDS COMMAND...: tries until it succeeds.
-within() {
-    local end=$((SECONDS + $1))
-    shift
-    until "$@" >/dev/null 2>&1; do
-        [ "$SECONDS" -lt "$end" ] || return 1
-        sleep 0.02
-    done
-}
 
 # has FILE PATTERN
 has() {
@@ -51,10 +32,6 @@ start() {
         tail -2 "$name.log"
     }
     port=$(grep -oE 'listens at [0-9.]+:[0-9]+' "$name.log" | grep -oE '[0-9]+$' || echo 0)
-}
-
-alive() {
-    kill -0 "$1" 2>/dev/null
 }
 
 ended() {

@@ -4,7 +4,8 @@
 here=$(dirname "$0")
 # shellcheck source=tests/programs/common.sh
 source "$here/../programs/common.sh" "$@"
-set -m # jobs of their own get the signals that a shell's background job would ignore
+# shellcheck source=tests/programs/jobs.sh
+source "$here/../programs/jobs.sh"
 PATH=$PATH:/usr/sbin
 build=$(realpath "$build") # for programs that are started from elsewhere
 
@@ -42,34 +43,9 @@ fi
 scan=1 # cycle of the soft PLC, ms
 patience=120 # seconds that a slow machine gets for what must come
 
-jobs_started=()
-clean_up() {
-    local started
-    for started in "${jobs_started[@]}"; do
-        # Whoever drives a gateway ends it when told to.
-        kill -TERM "$started" 2>/dev/null || true
-    done
-    sleep 0.2
-    for started in "${jobs_started[@]}"; do
-        kill -KILL -- "-$started" 2>/dev/null || true
-    done
-    wait 2>/dev/null || true
-    rm -rf "$work"
-}
-trap clean_up EXIT
 cd "$work"
 
 # ---- Tools ---------------------------------------------------------------------------------------
-# within SECONDS COMMAND...: tries until it succeeds.
-within() {
-    local end=$((SECONDS + $1))
-    shift
-    until "$@" >/dev/null 2>&1; do
-        [ "$SECONDS" -lt "$end" ] || return 1
-        sleep 0.05
-    done
-}
-
 # has FILE PATTERN
 has() {
     grep -qE -- "$2" "$1"

@@ -4,7 +4,8 @@
 here=$(dirname "$0")
 # shellcheck source=tests/programs/common.sh
 source "$here/common.sh" "$@"
-set -m # jobs of their own get the signals that a shell's background job would ignore
+# shellcheck source=tests/programs/jobs.sh
+source "$here/jobs.sh"
 
 planner=$(find_program packcell-planner)
 bench=$(find_program packcell-bench)
@@ -20,31 +21,10 @@ for tool in mosquitto mosquitto_pub mosquitto_sub python3; do
     fi
 done
 
-jobs_started=()
-clean_up() {
-    local job
-    for job in "${jobs_started[@]}"; do
-        kill -KILL "$job" 2>/dev/null || true
-    done
-    wait 2>/dev/null || true
-    rm -rf "$work"
-}
-trap clean_up EXIT
-
 requests=packcell/plan/request
 answers=packcell/plan/answer
 
 # ---- Tools ---------------------------------------------------------------------------------------
-# within SECONDS COMMAND...: tries until it succeeds.
-within() {
-    local end=$((SECONDS + $1))
-    shift
-    until "$@" >/dev/null 2>&1; do
-        [ "$SECONDS" -lt "$end" ] || return 1
-        sleep 0.05
-    done
-}
-
 free_port() {
     python3 -c 'import socket
 s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
@@ -53,10 +33,6 @@ s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 port_open() {
     python3 -c 'import socket, sys
 socket.create_connection(("127.0.0.1", int(sys.argv[1])), 1).close()' "$1"
-}
-
-alive() {
-    kill -0 "$1" 2>/dev/null
 }
 
 # start_broker NAME PORT [LINE...]: with these lines of configuration; sets `broker`.
