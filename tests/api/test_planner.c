@@ -436,7 +436,10 @@ static void *run_long_plan(void *at) {
     pkc_budget_init(&budget, sizeof budget);
     budget.nodes = 0;
     budget.milliseconds = 60000; /* if cancelling fails */
-    p->status = pkc_planner_plan(p->planner, p->bin, p->queue, &budget, &p->info);
+    /* Whoever looks whether the planner is in use has it for a moment. */
+    do {
+        p->status = pkc_planner_plan(p->planner, p->bin, p->queue, &budget, &p->info);
+    } while (p->status == PKC_E_BUSY);
     p->ended = 1;
     return NULL;
 }

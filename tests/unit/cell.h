@@ -245,7 +245,10 @@ inline std::string carry_out(State &s, const Plan &plan, const pkc_planner_optio
 // ---- Random states ------------------------------------------------------------------------------
 
 inline pkc_item draw_item(Random &random, int32_t id, int most_w, int most_h) {
-    pkc_item item = check_item(id, draw(random, 1, most_w), draw(random, 1, most_h), 0);
+    // One after the other: in a call each compiler would draw them in an order of its own.
+    const int h = draw(random, 1, most_h);
+    const int w = draw(random, 1, most_w);
+    pkc_item item = check_item(id, w, h, 0);
     if (random.below(6) == 0) item.flags |= PKC_ITEM_NO_ROTATE;
     if (random.below(10) == 0) item.flags |= PKC_ITEM_PINNED;
     return item;
@@ -265,8 +268,11 @@ inline State draw_state(Random &random, const char *scenario, int most_side, int
     const int w = draw(random, least_side, most_side);
     const int h = draw(random, least_side, most_side);
     State s = make_state(w, h, scenario);
-    if (random.below(4) == 0)
-        CHECK_OK(pkc_bin_block(s.bin.get(), draw(random, 0, w - 1), draw(random, 0, h - 1), 1, 1));
+    if (random.below(4) == 0) {
+        const int y = draw(random, 0, h - 1);
+        const int x = draw(random, 0, w - 1);
+        CHECK_OK(pkc_bin_block(s.bin.get(), x, y, 1, 1));
+    }
     push_items(random, s, 12 + least_belt, 0, std::max(1, w * 2 / 3), std::max(1, h * 2 / 3));
     pkc_planner_options options = small_options(PKC_METHOD_EXACT, PKC_REPACK_ANYTIME);
     options.memory = 65536;

@@ -90,7 +90,10 @@ const Diagram &ready(Case &c) {
 }
 
 Case draw_case(Random &random, int most_ticks) {
-    Case c = plain(draw(random, 0, most_ticks), draw(random, 0, most_ticks));
+    // One after the other: in a call each compiler would draw them in an order of its own.
+    const int second_ticks = draw(random, 0, most_ticks);
+    const int first_ticks = draw(random, 0, most_ticks);
+    Case c = plain(first_ticks, second_ticks);
     Diagram &d = c.diagram;
     for (int a = 0; a < 2; ++a) {
         const double holds = random.unit() * random.unit();
@@ -101,7 +104,9 @@ Case draw_case(Random &random, int most_ticks) {
         const int i = draw(random, 0, d.ticks[0]);
         const int j = draw(random, 0, d.ticks[1]);
         if (i + j == 0 || i + j == d.ticks[0] + d.ticks[1]) continue;
-        block(c, i, i + draw(random, 0, d.ticks[0] / 3), j, j + draw(random, 0, d.ticks[1] / 3));
+        const int high = draw(random, 0, d.ticks[1] / 3);
+        const int wide = draw(random, 0, d.ticks[0] / 3);
+        block(c, i, i + wide, j, j + high);
     }
     const double taken = random.below(2) == 0 ? 0 : 0.15 * random.unit();
     for (uint8_t &free : c.obstacles.free)

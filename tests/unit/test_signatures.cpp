@@ -34,8 +34,11 @@ Signature sign(const char *scenario, int32_t repack, int32_t method) {
     Random random(2024);
     int32_t id = 0;
     for (int bins = 0; bins < kBins;) {
-        while (belt_of(s).size() < 8)
-            check_push(s.queue.get(), id++, draw(random, 1, 5), draw(random, 1, 5));
+        while (belt_of(s).size() < 8) {
+            const int h = draw(random, 1, 5);
+            const int w = draw(random, 1, 5);
+            check_push(s.queue.get(), id++, w, h);
+        }
         const Plan plan = plan_once(planner, s, 2000);
         const std::string wrong = carry_out(s, plan, options);
         if (!wrong.empty()) {

@@ -45,7 +45,9 @@ void run_stream(uint64_t seed) {
     stream.scenario = draw_scenario(random);
     stream.w = draw(random, 1, 12);
     stream.h = draw(random, 1, 12);
-    stream.options = small_options(draw(random, 1, 2), draw(random, 0, 2), 12);
+    const int repack = draw(random, 0, 2);
+    const int method = draw(random, 1, 2);
+    stream.options = small_options(method, repack, 12);
     stream.options.memory = 65536;
     stream.options.rotation = draw(random, 0, 1);
     stream.options.select = draw(random, -1, 3);
@@ -56,9 +58,11 @@ void run_stream(uint64_t seed) {
     const PlannerHandle planner = make_planner(stream.options, pkc_policy_builtin(random.below(6)));
 
     State s = make_state(stream.w, stream.h, stream.scenario.c_str());
-    for (int i = draw(random, 0, 3); i > 0; --i)
-        pkc_bin_block(s.bin.get(), draw(random, 0, stream.w - 1), draw(random, 0, stream.h - 1), 1,
-                      1);
+    for (int i = draw(random, 0, 3); i > 0; --i) {
+        const int y = draw(random, 0, stream.h - 1);
+        const int x = draw(random, 0, stream.w - 1);
+        pkc_bin_block(s.bin.get(), x, y, 1, 1);
+    }
     const int most_w = draw(random, 1, stream.w);
     const int most_h = draw(random, 1, stream.h);
     const int count = draw(random, 1, 25);
