@@ -4,7 +4,8 @@
 //  - Classes own one handle each; they are moved, not copied (`clone` copies where C can). An
 //    object that was moved from holds NULL: it may be destroyed or assigned to, and any other use
 //    throws an Error, as the library says it.
-//  - A failing call throws Error, with the status and the library's line.
+//  - A failing call throws Error, with the status and the library's line. (A program built with
+//    -fno-exceptions uses packcell.h.)
 //  - Plain records are the C structs (Item, Action, ...). Option and info structs are filled by
 //    their `_init` when they are made, then set fields.
 //  - Arrays given are Spans over the caller's memory and are not copied. Arrays asked for come as
@@ -19,6 +20,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -45,8 +47,14 @@ private:
     pkc_status status_;
 };
 
+namespace detail {
+// Apart, so that a call that succeeds costs its caller a test and nothing else.
+[[noreturn, gnu::noinline, gnu::cold]] inline void raise(pkc_status status) { throw Error(status); }
+}  // namespace detail
+
+// Throws what a failed call says of itself.
 inline void check(pkc_status status) {
-    if (status != PKC_OK) throw Error(status);
+    if (status != PKC_OK) detail::raise(status);
 }
 
 inline std::uint32_t version() noexcept { return pkc_version(); }
@@ -67,8 +75,11 @@ public:
     constexpr Span(T (&array)[N]) noexcept : data_(array), size_(N) {}
     template <class C, class = Same<std::remove_pointer_t<decltype(std::declval<C &>().data())>>>
     constexpr Span(C &elements) noexcept : data_(elements.data()), size_(elements.size()) {}
-    template <class C, class = Same<std::remove_pointer_t<decltype(std::declval<C &>().data())>>,
-              class = std::enable_if_t<std::is_const_v<T> && !std::is_lvalue_reference_v<C>>>
+    // A temporary may give what even a const one would: a container its elements to read, a view
+    // (std::span) those that it is of.
+    template <class C,
+              class = Same<std::remove_pointer_t<decltype(std::declval<const C &>().data())>>,
+              class = std::enable_if_t<!std::is_lvalue_reference_v<C>>>
     constexpr Span(C &&elements) noexcept : data_(elements.data()), size_(elements.size()) {}
 
     constexpr T *data() const noexcept { return data_; }
@@ -165,7 +176,7 @@ std::vector<T> filled(Call call, Args... args) {
     pkc_status status = call(args..., nullptr, 0, &count);
     if (status != PKC_E_CAPACITY) check(status);
     std::vector<T> elements(count);
-    if (count > 0) fill(Span<T>(elements), call, args...);
+    if (count > 0) elements.resize(fill(Span<T>(elements), call, args...));
     return elements;
 }
 
@@ -190,6 +201,12 @@ inline const char *text(const std::string &text) {
     if (text.find('\0') != std::string::npos)
         throw Error(PKC_E_ARGUMENT, "text with a zero byte: must have none");
     return text.c_str();
+}
+
+// No bytes at all hold the wrong thing, but are not NULL.
+inline const std::uint8_t *bytes(Span<const std::uint8_t> given) noexcept {
+    static constexpr std::uint8_t kNone = 0;
+    return given.empty() ? &kNone : given.data();
 }
 
 // For a handle that C lets be NULL, where the caller did name one.
@@ -258,6 +275,7 @@ inline Point centre(const pkc_grid &grid, std::int32_t x, std::int32_t y, std::i
 
 // ---- Bin and queue ------------------------------------------------------------------------------
 
+// What is packed where, in cells: w x h of them, each 1..128.
 class Bin : public detail::Handle<pkc_bin, pkc_bin_free> {
 public:
     using Handle::Handle;
@@ -301,6 +319,7 @@ public:
     }
 };
 
+// The conveyor with its regions, and one buffer an arm.
 class Queue : public detail::Handle<pkc_queue, pkc_queue_free> {
 public:
     using Handle::Handle;
@@ -311,8 +330,13 @@ public:
 
     void push(const Item &item) { check(pkc_queue_push(get(), &item)); }
     void remove(std::int32_t id) { check(pkc_queue_remove(get(), id)); }
+    // All at once; all or nothing.
     void remove(Span<const std::int32_t> ids) {
         check(pkc_queue_remove_items(get(), ids.data(), ids.size()));
+    }
+    // A Span would take {0, 3} for NULL and three elements.
+    void remove(std::initializer_list<std::int32_t> ids) {
+        remove(Span<const std::int32_t>(ids.begin(), ids.size()));
     }
     void put_in_buffer(const Item &item, std::int32_t arm) {
         check(pkc_queue_put_in_buffer(get(), &item, arm));
@@ -345,7 +369,7 @@ inline std::vector<std::uint8_t> save_snapshot(const Bin &bin, const Queue &queu
 inline std::pair<Bin, Queue> load_snapshot(Span<const std::uint8_t> bytes) {
     pkc_bin *bin = nullptr;
     pkc_queue *queue = nullptr;
-    check(pkc_snapshot_load(bytes.data(), bytes.size(), &bin, &queue));
+    check(pkc_snapshot_load(detail::bytes(bytes), bytes.size(), &bin, &queue));
     return {Bin(bin), Queue(queue)};
 }
 
@@ -363,17 +387,18 @@ struct Evaluation {
     float value;
 };
 
+// Where an item goes. Immutable: threads may share it.
 class Policy : public detail::Handle<pkc_policy, pkc_policy_free> {
 public:
     using Handle::Handle;
-    // One of builtin().
+    // One of builtins().
     explicit Policy(const std::string &name) {
         check(pkc_policy_create(detail::text(name), out()));
     }
 
-    static std::vector<std::string> builtin() { return detail::listed(pkc_policy_builtin); }
+    static std::vector<std::string> builtins() { return detail::listed(pkc_policy_builtin); }
     static Policy load(Span<const std::uint8_t> blob) {
-        return detail::made<Policy>(pkc_policy_load, blob.data(), blob.size());
+        return detail::made<Policy>(pkc_policy_load, detail::bytes(blob), blob.size());
     }
     static Policy load_file(const std::string &path) {
         return detail::made<Policy>(pkc_policy_load_file, detail::text(path));
@@ -386,7 +411,7 @@ public:
         check(pkc_policy_save_file(get(), detail::text(path)));
     }
 
-    std::string name() const { return pkc_policy_name(get()); }
+    std::string name() const { return pkc_policy_name(detail::named(*this, "policy")); }
     PolicyInfo info() const { return detail::got<PolicyInfo>(pkc_policy_get_info, get()); }
 
     std::int32_t select(const Bin &bin, std::int32_t w, std::int32_t h) const {
@@ -401,12 +426,12 @@ public:
         answer.value = evaluate(bin, w, h, answer.logits, answer.probabilities);
         return answer;
     }
-    // The same into the caller's arrays, each of W*H + 1 or empty; gives the value.
+    // The same into the caller's arrays, each of W*H + 1 or empty (not asked for); gives the value.
     float evaluate(const Bin &bin, std::int32_t w, std::int32_t h, Span<float> logits,
                    Span<float> probabilities) const {
-        std::size_t capacity = std::max(logits.size(), probabilities.size());
-        if (!logits.empty() && !probabilities.empty())
-            capacity = std::min(logits.size(), probabilities.size());
+        std::size_t capacity = std::size_t{PKC_MAX_SIDE} * PKC_MAX_SIDE + 1;  // always enough
+        if (!logits.empty()) capacity = std::min(capacity, logits.size());
+        if (!probabilities.empty()) capacity = std::min(capacity, probabilities.size());
         std::size_t count = 0;
         float value = 0;
         check(pkc_policy_evaluate(get(), bin.get(), w, h, logits.empty() ? nullptr : logits.data(),
@@ -448,6 +473,7 @@ public:
     }
 };
 
+// A training of a policy.
 class Trainer : public detail::Handle<pkc_trainer, pkc_trainer_free> {
 public:
     using Handle::Handle;
@@ -485,6 +511,7 @@ struct Plan {
     std::vector<Action> actions;
 };
 
+// Plans steps (Algorithm 1). All memory is taken when it is made.
 class Planner : public detail::Handle<pkc_planner, pkc_planner_free> {
 public:
     using Handle::Handle;
@@ -561,6 +588,7 @@ inline Bound bound_in_order(const Bin &bin, Span<const Item> items, bool rotatio
 using Pose = std::array<double, 4>;                 // x, y, z of the tip, yaw
 using Joints = std::array<double, PKC_MAX_JOINTS>;  // radians; metres for the third of a SCARA
 
+// Arms, bin, belt and buffers: metres, radians, seconds. Immutable: threads may share it.
 class Cell : public detail::Handle<pkc_cell, pkc_cell_free> {
 public:
     using Handle::Handle;
@@ -612,6 +640,7 @@ inline void allocate(const Cell &cell, const Queue &queue, Span<Action> actions)
     check(pkc_allocate(cell.get(), queue.get(), actions.data(), actions.size()));
 }
 
+// What the arms, the belt and the planner do and when, in seconds.
 class Schedule : public detail::Handle<pkc_schedule, pkc_schedule_free> {
 public:
     using Handle::Handle;
@@ -636,6 +665,7 @@ public:
     }
 };
 
+// A run of a schedule in a fresh Box2D world.
 class Simulation : public detail::Handle<pkc_simulation, pkc_simulation_free> {
 public:
     using Handle::Handle;
@@ -671,6 +701,7 @@ inline void write_trace(const Schedule &schedule, const Simulation &simulation, 
 
 // ---- Generators ---------------------------------------------------------------------------------
 
+// Items: equal options give equal ones on every machine.
 class Generator : public detail::Handle<pkc_generator, pkc_generator_free> {
 public:
     using Handle::Handle;

@@ -66,12 +66,16 @@ class PlainEnv:
         return observation, contact / CONTACT_SCALE, bool(info["action_mask"][-1]), False, info
 
 
+def first_allowed(mask):
+    return mask.index(1) if isinstance(mask, list) else int(mask.argmax())
+
+
 def single(env, seconds):
     """Decisions a second, and the rewards of the first hundred."""
     _, info = env.reset(seed=1)
     rewards, made, begin = [], 0, time.process_time()
     while time.process_time() - begin < seconds or made < 100:
-        _, reward, closed, _, info = env.step(list(info["action_mask"]).index(1))
+        _, reward, closed, _, info = env.step(first_allowed(info["action_mask"]))
         if made < 100:
             rewards.append(reward)
         if closed:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -26,6 +27,12 @@ namespace {
 
 constexpr std::int32_t kSides[][2] = {{2, 1}, {4, 3}, {2, 2}, {4, 4}, {2, 4}, {3, 4}, {3, 2},
                                       {3, 1}, {3, 5}, {2, 2}, {2, 2}, {2, 3}, {5, 5}, {2, 4}};
+
+// As std::span: const or not, it gives the elements.
+struct View {
+    std::int32_t *data() const { return nullptr; }
+    std::size_t size() const { return 0; }
+};
 
 // An assertion that fails leaves by longjmp and runs no destructor: a failed test may leak.
 template <class Call>
@@ -221,7 +228,7 @@ void moved_from_objects_throw(void **) {
     // C would take NULL for the default policy, which is not what was meant.
     expect_error([&] { packcell::Planner(packcell::PlannerOptions(), policy); }, PKC_E_ARGUMENT,
                  "moved from");
-    assert_string_equal(policy.name().c_str(), "");
+    expect_error([&] { policy.name(); }, PKC_E_ARGUMENT, "moved from");
 
     bin = packcell::Bin(3, 3);
     assert_int_equal(bin.info().w, 3);
@@ -257,6 +264,15 @@ void arrays_go_into_vectors_and_into_the_callers_memory(void **) {
     std::array<std::int32_t, 12> into{};
     assert_int_equal(bin.cells(into), 12);
     assert_memory_equal(into.data(), cells.data(), sizeof into);
+    into.fill(0);
+    assert_int_equal(bin.cells(packcell::Span<std::int32_t>(into)), 12);
+    assert_memory_equal(into.data(), cells.data(), sizeof into);
+    using Reader = packcell::Span<const std::int32_t>;
+    using Writer = packcell::Span<std::int32_t>;
+    static_assert(std::is_constructible_v<Reader, std::vector<std::int32_t>>);
+    static_assert(!std::is_constructible_v<Writer, std::vector<std::int32_t>>);
+    static_assert(!std::is_constructible_v<Writer, const std::vector<std::int32_t> &>);
+    static_assert(std::is_constructible_v<Writer, View>);
     assert_int_equal(bin.items().size(), 1);
     assert_int_equal(bin.items()[0].item.id, 7);
     assert_int_equal(bin.feasible(2, 2).size(), 13);
@@ -270,6 +286,12 @@ void arrays_go_into_vectors_and_into_the_callers_memory(void **) {
     queue.push({3, 1, 1, 0});
     const std::int32_t ids[] = {1, 3};
     queue.remove(ids);
+    queue.push({0, 1, 1, 0});
+    queue.push({3, 1, 1, 0});
+    queue.remove({0, 3});
+    queue.push({0, 1, 1, 0});
+    queue.remove({0});
+    queue.remove({});
     assert_int_equal(queue.belt().size(), 1);
     assert_int_equal(queue.belt()[0].item.flags, PKC_ITEM_NO_ROTATE);
     assert_string_equal(queue.scenario().name().c_str(), "S-R2A1");
@@ -298,7 +320,7 @@ void the_exact_packer_and_the_bound_answer(void **) {
 }
 
 void policies_are_saved_loaded_and_asked_in_batches(void **) {
-    assert_true(packcell::Policy::builtin().size() > 3);
+    assert_true(packcell::Policy::builtins().size() > 3);
     packcell::Policy policy("default");
     std::vector<std::uint8_t> blob = policy.save();
     packcell::Policy loaded = packcell::Policy::load(blob);
@@ -326,6 +348,17 @@ void policies_are_saved_loaded_and_asked_in_batches(void **) {
     float sum = 0;
     for (float probability : evaluation.probabilities) sum += probability;
     assert_true(sum > 0.99F && sum < 1.01F);
+    assert_true(network.evaluate(bin, 2, 2, {}, {}) == evaluation.value);
+    std::vector<float> logits(101);
+    assert_true(network.evaluate(bin, 2, 2, logits, {}) == evaluation.value);
+    assert_true(logits == evaluation.logits);
+    expect_error(
+        [&] {
+            network.evaluate(bin, 2, 2, logits, {few.data(), few.size()});
+        },
+        PKC_E_CAPACITY, "101");
+    expect_error([] { packcell::Policy::load({}); }, PKC_E_FORMAT, "0");
+    expect_error([] { packcell::load_snapshot({}); }, PKC_E_FORMAT, "0");
 }
 
 void a_plan_in_slices_is_the_same(void **) {
@@ -431,6 +464,49 @@ void a_handle_in_two_threads_is_busy_for_one(void **) {
     assert_int_equal(bin.info().items, 0);
 }
 
+// A plan that takes long enough to be met, and is cancelled from the thread that met it.
+void a_planner_that_plans_is_busy_and_can_be_cancelled(void **) {
+    packcell::GeneratorOptions big;
+    big.w = big.h = 40;
+    packcell::Bin bin(40, 40);
+    packcell::Queue queue("S-R12A3");
+    for (const Item &item : packcell::Generator(big).next(30)) queue.push(item);
+    packcell::PlannerOptions options;
+    options.repack = PKC_REPACK_ANYTIME;
+    packcell::Planner planner(options);
+    packcell::Budget budget;
+    budget.nodes = 0;
+    budget.milliseconds = 20000;
+    bool busy = false;
+    bool planned = false;
+    for (int round = 0; round < 20 && !busy; ++round) {  // until both threads' calls have met
+        std::atomic<bool> ended{false};
+        bool second = false;
+        planned = false;
+        std::thread other([&] {
+            try {
+                planner.plan(bin, queue, budget);
+                planned = true;
+            } catch (const packcell::Error &error) {
+                second = error.status() == PKC_E_BUSY;
+            }
+            ended = true;
+        });
+        while (!busy && !ended) {
+            try {
+                planner.step(1);
+            } catch (const packcell::Error &error) {
+                busy = error.status() == PKC_E_BUSY && *error.what() != 0;
+            }
+        }
+        while (!ended) planner.cancel();
+        other.join();
+        busy = busy || second;
+    }
+    assert_true(busy);
+    if (planned) assert_false(planner.actions().empty());
+}
+
 }  // namespace
 
 int main() {
@@ -446,6 +522,7 @@ int main() {
         cmocka_unit_test(generators_and_millimetres),
         cmocka_unit_test(a_step_is_scheduled_and_simulated),
         cmocka_unit_test(a_handle_in_two_threads_is_busy_for_one),
+        cmocka_unit_test(a_planner_that_plans_is_busy_and_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, nullptr, nullptr);
 }

@@ -22,7 +22,11 @@ missing() {
 }
 
 if "$python" -c "import numpy, matplotlib" 2>/dev/null; then
-    "$python" -W error::ResourceWarning -m unittest discover -q -s "$source/tests/bindings/python"
+    tests=$source/tests/bindings/python
+    "$python" -W error::ResourceWarning -m unittest discover -q -s "$tests"
+    # The environments once more as Gymnasium's: its own classes where it is, else what stands in.
+    PYTHONPATH=$package$("$python" -c "import gymnasium" 2>/dev/null || echo ":$tests/standin") \
+        "$python" -m unittest discover -q -s "$tests" -p test_env.py
     "$python" "$package/benchmark_env.py" --seconds 0.5 --at-least 100000
 else
     missing "NumPy with matplotlib"
@@ -48,7 +52,8 @@ diff "$work/expected" "$work/printed"
 cp -r "$package" "$work/source"
 PYTHONPYCACHEPREFIX=$work/compiled "$python" -m compileall -q "$work/source"
 if command -v mypy >/dev/null; then
-    (cd "$work/source" && mypy --cache-dir "$build/python/mypy" packcell)
+    cp "$source/tests/bindings/python/typed_use.py" "$work/source"
+    (cd "$work/source" && mypy --cache-dir "$build/python/mypy" packcell typed_use.py)
 else
     missing mypy
 fi

@@ -17,14 +17,14 @@ from .generator import Generate, Generator
 from .grid import Grid
 from .planner import (SELECT_ALL, SELECT_AUTO, UNLIMITED, Bound, Budget, ExactPacking, Method,
                       Packing, Plan, PlanInfo, Planner, Proof, Repack, bound_in_order, exact_pack)
-from .policy import (Architecture, BatchEvaluation, Evaluation, Measurement, Policy, PolicyInfo,
-                     Rotation)
+from .policy import Architecture, BatchEvaluation, Evaluation, Measurement, Policy, PolicyInfo
 from .queue import (Queue, QueueInfo, Scenario, apply_step, load_snapshot, save_snapshot)
 from .records import (CELL_FIXED, CELL_FREE, MAX_SIDE, Action, Item, ItemFlag, Op, Placement,
                       Queued, plan_hash, version)
 from .schedule import (Activity, ArmSample, ArmTimes, Mode, Outcome, Place, Schedule, ScheduleInfo,
                        Simulation, SimulationInfo, Trace, Wait)
-from .trainer import Learner, Trainer, TrainerInfo, TrainerOptions
+from .trainer import Trainer, TrainerInfo
+from .training_options import Learner, Rotation, TrainerOptions
 
 __version__ = "0.1.0"
 

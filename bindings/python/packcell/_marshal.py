@@ -24,42 +24,65 @@ E = TypeVar("E", bound=IntEnum)
 R = TypeVar("R")
 
 
-def _ranged(name: str, value: SupportsIndex, least: int, most: int) -> int:
-    number = operator.index(value)
+def ranged(name: str, value: SupportsIndex, least: int, most: int) -> int:
+    """An int of any integer type (NumPy's too) within these bounds."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, not {type(value).__name__}") from None
     if not least <= number <= most:
-        raise argument_error(f"{name} {number}: must be {least}..{most}")
+        # Python refuses to write out a number of very many digits.
+        told = str(number) if number.bit_length() <= 128 else f"of {number.bit_length()} bits"
+        raise argument_error(f"{name} {told}: must be {least}..{most}")
     return number
 
 
 def int32(name: str, value: SupportsIndex) -> int:
-    return _ranged(name, value, -(1 << 31), (1 << 31) - 1)
+    return ranged(name, value, -(1 << 31), (1 << 31) - 1)
 
 
 def uint32(name: str, value: SupportsIndex) -> int:
-    return _ranged(name, value, 0, (1 << 32) - 1)
+    return ranged(name, value, 0, (1 << 32) - 1)
 
 
 def uint64(name: str, value: SupportsIndex) -> int:
-    return _ranged(name, value, 0, (1 << 64) - 1)
+    return ranged(name, value, 0, (1 << 64) - 1)
 
 
 def real(name: str, value: SupportsFloat) -> float:
     if isinstance(value, (str, bytes)) or not hasattr(value, "__float__"):
         if not hasattr(value, "__index__"):
             raise TypeError(f"{name} must be a number, not {type(value).__name__}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise argument_error(f"{name}: too large for a double") from None
+    except TypeError:  # an array that is not one number, say
+        raise TypeError(f"{name} must be a number, not {type(value).__name__}") from None
+
+
+def utf8(name: str, value: str) -> bytes:
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a str, not {type(value).__name__}")
+    try:
+        return value.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError as error:
+        raise argument_error(f"{name} {value!r}: {error.reason}") from None
 
 
 def text(name: str, value: str) -> bytes:
-    if not isinstance(value, str):
-        raise TypeError(f"{name} must be a str, not {type(value).__name__}")
-    if "\0" in value:
+    """For C, which reads to the first zero."""
+    encoded = utf8(name, value)
+    if b"\0" in encoded:
         raise argument_error(f"{name} {value!r}: must not hold a zero")
-    return value.encode("utf-8", "surrogateescape")
+    return encoded
 
 
 def path(value: Path) -> bytes:
-    name = os.fsencode(value)
+    try:
+        name = os.fsencode(value)
+    except UnicodeEncodeError as error:
+        raise argument_error(f"path {value!r}: {error.reason}") from None
     if b"\0" in name:
         raise argument_error(f"path {name!r}: must not hold a zero")
     return name

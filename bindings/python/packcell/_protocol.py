@@ -1,9 +1,10 @@
 """What the environments play: the paper's low-level decision process (Sec. III-C), item by item."""
 from __future__ import annotations
 
-from typing import Any, NamedTuple, SupportsIndex
+import os
+from typing import Any, Mapping, NamedTuple, Optional, SupportsIndex
 
-from ._marshal import real, uint64
+from ._marshal import ranged, real, uint64
 from .errors import argument_error
 from .records import MAX_SIDE
 
@@ -61,18 +62,22 @@ class Protocol(NamedTuple):
 
 
 def checked(protocol: Protocol, most: int = MAX_SIDE) -> Protocol:
-    """Raises on values out of range; `most` cells a side are allowed."""
-    def ranged(name: str, value: Any, least: int, largest: int) -> None:
-        if not isinstance(value, int):
-            raise TypeError(f"{name} must be an int, not {type(value).__name__}")
-        if not least <= value <= largest:
-            raise argument_error(f"{name} {value}: must be {least}..{largest}")
+    """The same in Python's own numbers; raises on values out of range. `most` cells a side are
+    allowed."""
+    w, h = ranged("w", protocol.w, 1, most), ranged("h", protocol.h, 1, most)
+    least_side = ranged("least_side", protocol.least_side, 1, min(w, h))
+    most_side = ranged("most_side", protocol.most_side, least_side, min(w, h))
+    items = ranged("items", protocol.items, 0, 1000000)
+    reward_fill = real("reward_fill", protocol.reward_fill)
+    if not 0 <= reward_fill <= 1:
+        raise argument_error(f"reward_fill {reward_fill}: must be 0..1")
+    return Protocol(w, h, least_side, most_side, items, bool(protocol.rotation), reward_fill)
 
-    ranged("w", protocol.w, 1, most)
-    ranged("h", protocol.h, 1, most)
-    ranged("least_side", protocol.least_side, 1, min(protocol.w, protocol.h))
-    ranged("most_side", protocol.most_side, protocol.least_side, min(protocol.w, protocol.h))
-    ranged("items", protocol.items, 0, 1000000)
-    if not 0 <= real("reward_fill", protocol.reward_fill) <= 1:
-        raise argument_error(f"reward_fill {protocol.reward_fill}: must be 0..1")
-    return protocol
+
+def fresh_seed() -> int:
+    return int.from_bytes(os.urandom(8), "little")
+
+
+def refuse_options(options: Optional[Mapping[str, Any]]) -> None:
+    if options:
+        raise argument_error(f"option {next(iter(options))!r}: reset knows none")

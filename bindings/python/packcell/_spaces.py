@@ -66,8 +66,28 @@ def dictionary(spaces: Mapping[str, Any]) -> Any:
     return dict(spaces) if gymnasium is None else gymnasium.spaces.Dict(spaces)
 
 
-Env: Any = object if gymnasium is None else gymnasium.Env
-VectorEnv: Any = object if gymnasium is None else gymnasium.vector.VectorEnv
+class Plain:
+    """What an environment has of Gymnasium's base classes where those are not."""
+
+    spec: Any = None
+    render_mode: Optional[str] = None
+
+    @property
+    def unwrapped(self) -> Any:
+        return self
+
+    def close(self) -> None:
+        pass
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+Env: Any = Plain if gymnasium is None else gymnasium.Env
+VectorEnv: Any = Plain if gymnasium is None else gymnasium.vector.VectorEnv
 
 
 def same_step() -> Any:

@@ -2,15 +2,15 @@
 (a row of cells each, and a column each), so that one array operation asks all bins at once."""
 from __future__ import annotations
 
-import operator
 from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _spaces
-from ._protocol import CONTACT_SCALE, GOLDEN, Protocol, checked, stream_state
-from .env import fresh_seed, refuse_options
-from .errors import StateError, Status, argument_error
+from ._marshal import ranged, uint64
+from ._protocol import (CONTACT_SCALE, GOLDEN, Protocol, checked, fresh_seed, refuse_options,
+                        stream_state)
+from .errors import ClosedError, StateError, Status, argument_error
 
 _MOST_SIDE = 62  # and a wall at each end: 64 bits
 _POPCOUNT = np.array([bin(v).count("1") for v in range(1 << 16)], np.uint8)
@@ -31,7 +31,7 @@ def _walls(side: int, word: np.dtype[Any]) -> Any:
 def _count(words: Words) -> Any:
     """Ones in each word of a vector."""
     parts = _POPCOUNT[np.ascontiguousarray(words).view("<u2").reshape(len(words), -1)]
-    return parts[:, 0] if parts.shape[1] == 1 else parts.sum(axis=1)
+    return parts[:, 0] if parts.shape[1] == 1 else parts.sum(axis=1, dtype=np.int64)
 
 
 def _bits(words: Words, side: int) -> Any:
@@ -42,37 +42,42 @@ def _bits(words: Words, side: int) -> Any:
     return bits[:, :, 1:side + 1]
 
 
+def _told(infos: dict[str, Any], which: Any) -> dict[str, Any]:
+    """Infos with Gymnasium's masks: `_key` says which bins `key` is told of."""
+    return {**infos, **{"_" + key: which.copy() for key in infos}}
+
+
 class VectorPackingEnv(_spaces.VectorEnv):  # type: ignore[misc]
     """`num_envs` bins with the play of PackingEnv, bit for bit: bin i of reset(seed=s) has stream i
     of s, stream 0 being PackingEnv's; with a sequence of seeds bin i is PackingEnv's of seeds[i].
 
-    A bin that closes is replaced within the same step: its reward and termination are told, and
-    observation and mask are those of the next bin. infos: action_mask, contact, utilization
-    (of the bin that closed, where one did). Sides up to 62 cells."""
+    A bin that closes is replaced within the same step, as in Gymnasium's SAME_STEP mode: its reward
+    and termination are told, observation and infos are those of the next bin, and its own last ones
+    are in infos["final_obs"][i] and, by key, in infos["final_info"]; both are there only in steps
+    that close some bin. infos has action_mask, contact and utilization, and beside each `key`
+    a `_key`: the bins that it is told of. Sides up to 62 cells."""
 
     metadata: dict[str, Any] = {"autoreset_mode": _spaces.same_step()}
 
     def __init__(self, num_envs: int, w: int = 10, h: int = 10, *, least_side: int = 1,
                  most_side: int = 5, items: int = 0, rotation: bool = False,
                  reward_fill: float = 0.0) -> None:
-        num_envs = operator.index(num_envs)
-        if not 1 <= num_envs <= 1 << 20:
-            raise argument_error(f"num_envs {num_envs}: must be 1..{1 << 20}")
+        num_envs = ranged("num_envs", num_envs, 1, 1 << 20)
         p = checked(Protocol(w, h, least_side, most_side, items, rotation, reward_fill), _MOST_SIDE)
         self.protocol = p
         self.num_envs = num_envs
         self.closed = False
         self.single_action_space = _spaces.discrete(p.actions)
         self.single_observation_space = _spaces.dictionary({
-            "bin": _spaces.box(0, 1, (h, w), "uint8"),
-            "item": _spaces.box(least_side, most_side, (2,), "int32")})
+            "bin": _spaces.box(0, 1, (p.h, p.w), "uint8"),
+            "item": _spaces.box(p.least_side, p.most_side, (2,), "int32")})
         self.action_space = _spaces.multi_discrete([p.actions] * num_envs)
         self.observation_space = _spaces.dictionary({
-            "bin": _spaces.box(0, 1, (num_envs, h, w), "uint8"),
-            "item": _spaces.box(least_side, most_side, (num_envs, 2), "int32")})
-        self._row_word, self._column_word = _word(w), _word(h)
-        self._rows: Words = np.empty((h + 2, num_envs), self._row_word)
-        self._columns: Words = np.empty((w + 2, num_envs), self._column_word)
+            "bin": _spaces.box(0, 1, (num_envs, p.h, p.w), "uint8"),
+            "item": _spaces.box(p.least_side, p.most_side, (num_envs, 2), "int32")})
+        self._row_word, self._column_word = _word(p.w), _word(p.h)
+        self._rows: Words = np.empty((p.h + 2, num_envs), self._row_word)
+        self._columns: Words = np.empty((p.w + 2, num_envs), self._column_word)
         self._state: Optional[Any] = None
         self._w = np.zeros(num_envs, np.int64)
         self._h = np.zeros(num_envs, np.int64)
@@ -85,23 +90,29 @@ class VectorPackingEnv(_spaces.VectorEnv):  # type: ignore[misc]
               options: Optional[Mapping[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
         """Empty bins. With a seed, or one for each, new streams begin, else the old ones go on."""
         refuse_options(options)
-        if seed is None and self._state is None:
-            seed = fresh_seed()
-        if seed is not None:
-            if hasattr(seed, "__index__"):
-                states = [stream_state(seed, i) for i in range(self.num_envs)]
+        if self.closed:
+            raise ClosedError(Status.ARGUMENT, "the VectorPackingEnv is closed")
+        seeds: Any = fresh_seed() if seed is None and self._state is None else seed
+        if seeds is not None:
+            if np.ndim(seeds) == 0:
+                seeds = uint64("seed", seeds)
+                if _spaces.gymnasium is not None:
+                    super().reset(seed=seeds)  # its own generator, which nothing here draws from
+                states = [stream_state(seeds, i) for i in range(self.num_envs)]
             else:
-                states = [stream_state(one) for one in seed]
+                states = [stream_state(one) for one in seeds]
             if len(states) != self.num_envs:
                 raise argument_error(f"{len(states)} seeds: must be {self.num_envs}")
             self._state = np.array(states, np.uint64)
             self._draw(self._each)
         self._open(self._each)
         self._set_mask(self._each)
-        return self._observation(), self._infos(np.zeros(self.num_envs, np.int64), self._occupied)
+        return self._observation(), self._infos(np.zeros(self.num_envs, np.int64))
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """One item into each bin."""
+        if self.closed:
+            raise ClosedError(Status.ARGUMENT, "the VectorPackingEnv is closed")
         if self._state is None:
             raise StateError(Status.STATE, "nothing was begun: call reset")
         p = self.protocol
@@ -113,19 +124,20 @@ class VectorPackingEnv(_spaces.VectorEnv):  # type: ignore[misc]
         else:
             w, h = self._w, self._h
         contact = self._place(x, y, w, h)
-        occupied = self._occupied.copy()
+        rewards = (1 - p.reward_fill) / CONTACT_SCALE * contact
 
         self._draw(self._each)
         closed = self._close() if p.items else ~self._set_mask(self._each)
         again = np.flatnonzero(closed)
+        final: dict[str, Any] = {}
         if again.size:
+            rewards[again] += p.reward_fill / (p.w * p.h) * self._occupied[again]
+            final = self._final(closed, again, contact)
             self._open(again)
             self._set_mask(again)
-        rewards = (1 - p.reward_fill) / CONTACT_SCALE * contact
-        if p.reward_fill:
-            rewards += np.where(closed, p.reward_fill / (p.w * p.h) * occupied, 0)
+            contact[again] = 0
         return (self._observation(), rewards, closed, np.zeros(self.num_envs, bool),
-                self._infos(contact, occupied))
+                {**self._infos(contact), **final})
 
     def close(self, **_: Any) -> None:
         self._state = None
@@ -254,6 +266,23 @@ class VectorPackingEnv(_spaces.VectorEnv):  # type: ignore[misc]
         return {"bin": np.ascontiguousarray(_bits(self._rows[1:-1], self.protocol.w)),
                 "item": np.stack((self._w, self._h), axis=1).astype(np.int32)}
 
-    def _infos(self, contact: Any, occupied: Any) -> dict[str, Any]:
-        return {"action_mask": self._mask.copy(), "contact": contact,
-                "utilization": occupied / (self.protocol.w * self.protocol.h)}
+    def _infos(self, contact: Any) -> dict[str, Any]:
+        return _told({"action_mask": self._mask.copy(), "contact": contact,
+                      "utilization": self._occupied / (self.protocol.w * self.protocol.h)},
+                     np.ones(self.num_envs, bool))
+
+    def _final(self, closed: Any, which: Any, contact: Any) -> dict[str, Any]:
+        """What PackingEnv says of a bin in the step that closes it, for those that just did."""
+        bins = _bits(self._rows[1:-1, which], self.protocol.w)
+        items = np.stack((self._w[which], self._h[which]), axis=1).astype(np.int32)
+        observations = np.full(self.num_envs, None, object)
+        for i, bin, item in zip(which, bins, items):
+            observations[i] = {"bin": bin.copy(), "item": item}
+        mask = np.zeros_like(self._mask)
+        mask[which, -1] = 1
+        share = self._occupied / (self.protocol.w * self.protocol.h)
+        return _told({"final_obs": observations,
+                      "final_info": _told({"action_mask": mask,
+                                           "contact": np.where(closed, contact, 0),
+                                           "utilization": np.where(closed, share, 0.0)}, closed)},
+                     closed)

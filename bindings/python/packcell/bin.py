@@ -9,7 +9,7 @@ from . import _marshal, _raw as raw
 from ._handle import Handle
 from ._marshal import Array, gathered, initialised, int32, read
 from .errors import check
-from .records import Item, Placement, item_in, placement_out
+from .records import ItemLike, Placement, item_in, placement_out
 
 
 class BinInfo(NamedTuple):
@@ -50,13 +50,15 @@ class Bin(Handle):
         check(raw.pkc_bin_block(self._handle, int32("x", x), int32("y", y), int32("w", w),
                                 int32("h", h)))
 
-    def pack(self, item: Item, x: int, y: int, rot: int = 0) -> None:
-        """Puts an item with its top-left corner at (x, y)."""
+    def pack(self, item: ItemLike, x: int, y: int, rot: int = 0) -> None:
+        """Puts an item with its top-left corner at (x, y); rot 1 turns it by a quarter.
+        A StateError if it does not lie on free cells alone, its id is in the bin already, or it
+        must not turn."""
         check(raw.pkc_bin_pack(self._handle, byref(item_in(item)), int32("x", x), int32("y", y),
                                int32("rot", rot)))
 
     def unpack(self, id: int) -> Placement:
-        """Takes an item out, and says where it was."""
+        """Takes an item out, and says where it was; a StateError if it is not there or pinned."""
         placement = raw.pkc_placement()
         check(raw.pkc_bin_unpack(self._handle, int32("id", id), byref(placement)))
         return placement_out(placement)

@@ -7,23 +7,24 @@ from typing import Any, Iterable, NamedTuple, Optional, Sequence, Union
 
 from . import _raw as raw
 from ._handle import Handle, handle_of
-from ._marshal import Path, gathered_text, initialised, int32, names, path, read, real, text
+from ._marshal import (Path, gathered_text, initialised, int32, names, path, read, real, text,
+                       utf8)
 from .errors import argument_error, check
 from .queue import Queue, Scenario, scenario_in
-from .records import Action, actions_in, actions_out
+from .records import Action, ActionLike, actions_in, actions_out
 
 MAX_JOINTS: int = raw.PKC_MAX_JOINTS
 
 
 class CellInfo(NamedTuple):
-    arms: int
+    arms: int  # 1 or 2
     bin_w: int  # cells
     bin_h: int
-    buffer_slots: tuple[int, int]
-    joints: tuple[int, int]
-    margin: float
-    tick: float
-    cycle: float
+    buffer_slots: tuple[int, int]  # items that each arm's buffer holds
+    joints: tuple[int, int]  # of each arm: 6 or 4; 0 where there is none
+    margin: float  # kept between the arms, metres
+    tick: float  # of coordination, seconds
+    cycle: float  # one arm's, seconds: home, belt, bin, home, with dwells
     name: str
 
 
@@ -57,10 +58,9 @@ class Cell(Handle):
 
     @classmethod
     def load(cls, json: str) -> Cell:
-        """From the text of a cell.json."""
-        if not isinstance(json, str):
-            raise TypeError(f"json must be a str, not {type(json).__name__}")
-        given = json.encode("utf-8", "surrogateescape")
+        """From the text of a cell.json: a FormatError names what is no cell description, an
+        ArgumentError a cell that cannot work."""
+        given = utf8("json", json)
         made = ctypes.POINTER(raw.pkc_cell)()
         check(raw.pkc_cell_load(given, len(given), byref(made)))
         return cls._adopt(made)
@@ -90,7 +90,8 @@ class Cell(Handle):
         check(raw.pkc_cell_check(self._handle, byref(scenario_in(scenario))))
 
     def inverse(self, arm: int, pose: Sequence[float]) -> tuple[float, ...]:
-        """Joints at which the tool, straight down, has its tip at (x, y, z) with this yaw."""
+        """Joints (radians; metres for the third of a SCARA) at which the tool, straight down, has
+        its tip at (x, y, z), metres, with this yaw, radians; a StateError if there are none."""
         joints = (ctypes.c_double * MAX_JOINTS)()
         check(raw.pkc_cell_inverse(self._handle, int32("arm", arm), _doubles("pose", pose, 4, 4),
                                    joints))
@@ -105,7 +106,8 @@ class Cell(Handle):
 
     def optimize_layout(self, scenario: Union[Scenario, str], *, evaluations: Optional[int] = None,
                         range: Optional[float] = None) -> tuple[Cell, LayoutInfo]:
-        """Moves bases, buffers and homes for the shortest mean transfer; never worse."""
+        """Moves bases, buffers and homes for the shortest mean transfer; never worse. `evaluations`
+        of the mean, 10..100000 (800); `range` by which they may move, 0..2 metres (0.3)."""
         options = initialised(raw.pkc_layout_options, evaluations=evaluations, range=range)
         info = initialised(raw.pkc_layout_info)
         made = ctypes.POINTER(raw.pkc_cell)()
@@ -114,7 +116,7 @@ class Cell(Handle):
         return Cell._adopt(made), read(LayoutInfo, info)
 
 
-def allocate(cell: Cell, queue: Queue, actions: Iterable[Action]) -> list[Action]:
+def allocate(cell: Cell, queue: Queue, actions: Iterable[ActionLike]) -> list[Action]:
     """Task allocation (paper, Sec. IV-D): the actions, each item from the belt with the nearest arm
     that reaches it. `queue` is the one before the step."""
     array = actions_in(actions)

@@ -15,14 +15,13 @@ PackingEnv is one bin of the library; VectorPackingEnv packs many side by side i
 from __future__ import annotations
 
 import ctypes
-import os
 from ctypes import byref
 from typing import TYPE_CHECKING, Any, Mapping, Optional
 
 from . import _marshal, _raw as raw, _spaces
-from ._protocol import CONTACT_SCALE, Protocol, Stream, checked
+from ._protocol import CONTACT_SCALE, Protocol, Stream, checked, fresh_seed, refuse_options
 from .bin import Bin
-from .errors import StateError, Status, argument_error, check
+from .errors import ClosedError, StateError, Status, argument_error, check
 from .records import CELL_FREE, Item
 
 if TYPE_CHECKING:
@@ -38,19 +37,10 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(name)
 
 
-def fresh_seed() -> int:
-    return int.from_bytes(os.urandom(8), "little")
-
-
-def refuse_options(options: Optional[Mapping[str, Any]]) -> None:
-    if options:
-        raise argument_error(f"option {next(iter(options))!r}: reset knows none")
-
-
 class PackingEnv(_spaces.Env):  # type: ignore[misc]
     """One bin, packed item by item."""
 
-    metadata: dict[str, Any] = {"render_modes": ["ansi"]}
+    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 4}
 
     def __init__(self, w: int = 10, h: int = 10, *, least_side: int = 1, most_side: int = 5,
                  items: int = 0, rotation: bool = False, reward_fill: float = 0.0,
@@ -58,17 +48,16 @@ class PackingEnv(_spaces.Env):  # type: ignore[misc]
         if render_mode not in (None, "ansi"):
             raise argument_error(f"render_mode {render_mode!r}: must be None or 'ansi'")
         self.render_mode = render_mode
-        self.protocol = checked(Protocol(w, h, least_side, most_side, items, rotation, reward_fill))
-        self.bin = Bin(w, h)  # for looking at
-        self.action_space = _spaces.discrete(self.protocol.actions)
+        p = checked(Protocol(w, h, least_side, most_side, items, rotation, reward_fill))
+        self.protocol = p
+        self.bin = Bin(p.w, p.h)  # for looking at
+        self.action_space = _spaces.discrete(p.actions)
         self.observation_space = _spaces.dictionary({
-            "bin": _spaces.box(0, 1, (h, w), "uint8"),
-            "item": _spaces.box(least_side, most_side, (2,), "int32")})
+            "bin": _spaces.box(0, 1, (p.h, p.w), "uint8"),
+            "item": _spaces.box(p.least_side, p.most_side, (2,), "int32")})
         # What the library fills at each step.
-        self._bits = (ctypes.c_uint8 * (w * h + 1))()
-        self._cells = (ctypes.c_int32 * (w * h))()
-        self._view = (None if _marshal.numpy is None else
-                      _marshal.numpy.ctypeslib.as_array(self._cells).reshape(h, w))
+        self._bits = (ctypes.c_uint8 * (p.w * p.h + 1))()
+        self._cells = (ctypes.c_int32 * (p.w * p.h))()
         self._count = ctypes.c_size_t()
         self._stream: Optional[Stream] = None
         self._item = (0, 0)
@@ -82,21 +71,27 @@ class PackingEnv(_spaces.Env):  # type: ignore[misc]
               options: Optional[Mapping[str, Any]] = None) -> tuple[Any, dict[str, Any]]:
         """An empty bin. With a seed a new stream of items begins, else the old one goes on."""
         refuse_options(options)
+        if seed is not None:
+            seed = _marshal.uint64("seed", seed)
         if _spaces.gymnasium is not None:
             super().reset(seed=seed)  # its own generator, which nothing here draws from
         if seed is not None or self._stream is None:
             self._stream = Stream(fresh_seed() if seed is None else seed)
             self._draw()
+        self._open = False
         self.bin.clear()
         self._offered, self._packed, self._occupied = 1, 0, 0
-        self._open = True
         self._fits()
-        return self._observation(), self._info(0)
+        told = self._observation(), self._info(0)
+        self._open = True
+        return told
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Puts the item there; then comes the next, or the bin closes."""
+        if self.bin.closed:
+            raise ClosedError(Status.ARGUMENT, "the PackingEnv is closed")
         if not self._open:
-            raise StateError(Status.STATE, "the bin is closed: call reset")
+            raise StateError(Status.STATE, "no bin is being packed: call reset")
         p = self.protocol
         at = _marshal.int32("action", action)
         if not 0 <= at < p.actions:
@@ -108,14 +103,16 @@ class PackingEnv(_spaces.Env):  # type: ignore[misc]
         y, x = divmod(position, p.w)
         contact = self.bin.contact(x, y, h if rot else w, w if rot else h)
         self.bin.pack(Item(self._packed, w, h), x, y, rot)
+        self._open = False  # if a thread that looks at the bin makes what follows fail: reset
         self._packed += 1
         self._occupied += w * h
         closed = self._next()
         reward = (1 - p.reward_fill) * contact / CONTACT_SCALE
         if closed:
-            self._open = False
             reward += p.reward_fill * self._occupied / (p.w * p.h)
-        return self._observation(), reward, closed, False, self._info(contact)
+        told = self._observation(), reward, closed, False, self._info(contact)
+        self._open = not closed
+        return told
 
     def render(self) -> Optional[str]:
         """The bin as text, a letter an item, '.' where it is free."""
@@ -166,12 +163,13 @@ class PackingEnv(_spaces.Env):  # type: ignore[misc]
     def _observation(self) -> dict[str, Any]:
         check(raw.pkc_bin_cells(self.bin._handle, self._cells, len(self._cells),
                                 byref(self._count)))
-        if self._view is None:
-            w, taken = self.protocol.w, [int(cell != CELL_FREE) for cell in self._cells]
+        w, h, np = self.protocol.w, self.protocol.h, _marshal.numpy
+        if np is None:
+            taken = [int(cell != CELL_FREE) for cell in self._cells]
             return {"bin": [taken[at:at + w] for at in range(0, len(taken), w)],
                     "item": self._item}
-        return {"bin": (self._view != CELL_FREE).view("uint8"),
-                "item": _marshal.numpy.array(self._item, "int32")}
+        cells = np.frombuffer(memoryview(self._cells), np.int32).reshape(h, w)
+        return {"bin": (cells != CELL_FREE).view(np.uint8), "item": np.array(self._item, np.int32)}
 
     def _info(self, contact: int) -> dict[str, Any]:
         mask: Any = self._mask

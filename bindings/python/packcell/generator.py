@@ -8,8 +8,8 @@ from typing import Optional
 
 from . import _raw as raw
 from ._handle import Handle
-from ._marshal import initialised, text
-from .errors import argument_error, check
+from ._marshal import initialised, int32, ranged, text
+from .errors import check
 from .records import Item, item_out
 
 _MOST_ITEMS = 1 << 24  # asked for at once: 256 MB
@@ -21,8 +21,10 @@ class Generate(IntEnum):
 
 
 class Generator(Handle):
-    """Equal options give equal items on every machine. `preset` ("text", "table") sets mean and
-    sigma of FULL, before those that are given."""
+    """Items for bins of w x h cells (10 x 10). Equal options give equal items on every machine.
+    `mean` of FULL's sides, as a fraction of the bin's, above 0 and at most 1, and `sigma`, in
+    cells, above 0 and at most 128; `preset` ("text", "table") sets both, before those that are
+    given."""
 
     _free = raw.pkc_generator_free
 
@@ -30,8 +32,8 @@ class Generator(Handle):
                  h: Optional[int] = None, preset: Optional[str] = None,
                  mean: Optional[float] = None, sigma: Optional[float] = None,
                  seed: Optional[int] = None) -> None:
-        options = initialised(raw.pkc_generator_options, kind=kind, w=w, h=h, mean=mean,
-                              sigma=sigma, seed=seed)
+        options = initialised(raw.pkc_generator_options, kind=int32("kind", kind), w=w, h=h,
+                              mean=mean, sigma=sigma, seed=seed)
         if preset is not None:
             given = options.mean, options.sigma
             check(raw.pkc_generator_preset(byref(options), text("preset", preset)))
@@ -47,8 +49,7 @@ class Generator(Handle):
         shuffled, ids from 0; a `count` that is too small for it is a CapacityError."""
         if count is None:
             count = self._most if self._kind == Generate.FULL else 1
-        if not 0 <= count <= _MOST_ITEMS:
-            raise argument_error(f"count {count}: must be 0..{_MOST_ITEMS}")
+        count = ranged("count", count, 0, _MOST_ITEMS)
         items = (raw.pkc_item * count)()
         made = ctypes.c_size_t()
         check(raw.pkc_generator_next(self._handle, items, count, byref(made)))

@@ -10,10 +10,10 @@ from . import _raw as raw
 from ._handle import Handle, handle_of
 from ._marshal import initialised, known, read, uint64
 from .bin import Bin
-from .errors import check
+from .errors import BusyError, Status, check
 from .policy import Policy
 from .queue import Queue
-from .records import Action, Item, Placement, actions_out, items_in, placement_out
+from .records import Action, ItemLike, Placement, actions_out, items_in, placement_out
 
 UNLIMITED: int = raw.PKC_UNLIMITED
 SELECT_AUTO: int = raw.PKC_SELECT_AUTO
@@ -49,8 +49,9 @@ class Packing(IntEnum):
 
 
 class Budget(NamedTuple):
-    """How much a plan may cost: placements tried, and wall time; 0 is no limit. A budget in nodes
-    alone gives the same plan on every machine."""
+    """How much a plan may cost: placements tried, and wall time, 0..1e12 ms; 0 is no limit, and
+    without any a plan may take hours. A budget in nodes alone gives the same plan on every
+    machine."""
 
     nodes: int = 200000
     milliseconds: float = 0.0
@@ -115,7 +116,20 @@ def plan_info_out(info: Any) -> PlanInfo:
 
 class Planner(Handle):
     """Plans steps (Algorithm 1). All memory is taken here; None is the library's default, of the
-    policy too. packcell.h tells the options' ranges."""
+    policy too.
+
+    - method: Method.EXACT;
+    - rotation: items may be turned (True); if not, packed ones that lie turned stay where they are;
+    - repack: Repack.OFF;
+    - select: SELECT_AUTO (two candidates in Method.PAPER with repacking, else all), SELECT_ALL, or
+      candidates kept a node, 1..128;
+    - buffer_capacity: items an arm's buffer holds at any moment of a step, 0..4096, or UNLIMITED;
+    - skip: an accessible item that cannot be placed is skipped for good (False: it stays for the
+      next bin);
+    - max_side: largest bin side planned for, 1..128 (128);
+    - max_items: most items in the bin at once, 1..16384 (256);
+    - max_known: most recognised and buffered items together, 1..128 (128);
+    - memory: bytes for tables of states met, 64 KiB..4 GiB (8 MiB)."""
 
     _free = raw.pkc_planner_free
 
@@ -137,12 +151,19 @@ class Planner(Handle):
         self._take(made)
 
     def plan(self, bin: Bin, queue: Queue, budget: Union[Budget, int, None] = None) -> Plan:
-        """The next step for what bin and queue hold; changes neither. Other threads run meanwhile,
-        and one of them may call cancel()."""
+        """The next step for what bin and queue hold; changes neither. Always a legal plan:
+        TERMINATE alone when nothing within reach has a position, an empty conveyor included. A
+        LimitError if bin or queue hold more than the planner was made for. Other threads run
+        meanwhile, and one of them may call cancel(); Ctrl-C is heard once the call ends."""
+        info = initialised(raw.pkc_plan_info)
         check(raw.pkc_planner_plan(self._handle, handle_of("bin", bin, Bin),
                                    handle_of("queue", queue, Queue), byref(budget_in(budget)),
-                                   None))
-        return self.result()
+                                   byref(info)))
+        plan = self.result()
+        if plan.info.hash != info.hash:  # nobody shall carry out the plan for another bin
+            raise BusyError(Status.BUSY, "planner was used by another thread before its plan was "
+                                         "read: a planner belongs to one thread at a time")
+        return plan
 
     def begin(self, bin: Bin, queue: Queue, budget: Union[Budget, int, None] = None) -> None:
         """The same work in slices: begin copies the state, step() does some of it."""
@@ -156,7 +177,7 @@ class Planner(Handle):
         return bool(done.value)
 
     def result(self) -> Plan:
-        """The plan, or the best so far while steps are left."""
+        """The plan, or the best so far while steps are left; a StateError if nothing was begun."""
         info = initialised(raw.pkc_plan_info)
         actions = (raw.pkc_action * raw.PKC_MAX_ACTIONS)()
         count = ctypes.c_size_t()
@@ -169,7 +190,7 @@ class Planner(Handle):
         check(raw.pkc_planner_cancel(self._handle))
 
 
-def exact_pack(bin: Bin, items: Iterable[Item], *, rotation: bool = True,
+def exact_pack(bin: Bin, items: Iterable[ItemLike], *, rotation: bool = True,
                budget: Union[Budget, int, None] = None) -> ExactPacking:
     """Can all items, at most 16384, be placed on the bin's free cells as it is?"""
     array = items_in(items)
@@ -182,7 +203,7 @@ def exact_pack(bin: Bin, items: Iterable[Item], *, rotation: bool = True,
                         [placement_out(p) for p in placements] if found else None, nodes.value)
 
 
-def bound_in_order(bin: Bin, items: Iterable[Item], *, rotation: bool = True,
+def bound_in_order(bin: Bin, items: Iterable[ItemLike], *, rotation: bool = True,
                    budget: Union[Budget, int, None] = None) -> Bound:
     """How many of the next items, in arrival order and without one left out, fit together: no
     planner without a buffer packs more into this bin."""

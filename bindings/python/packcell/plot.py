@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import Any, Optional
 
 from .bin import Bin
+from .errors import argument_error
 from .records import CELL_FIXED
 from .schedule import Activity, Schedule, Wait
 
@@ -21,7 +22,7 @@ def _axes(ax: Optional[Any], size: tuple[float, float]) -> Any:
     if ax is not None:
         return ax
     from matplotlib import pyplot
-    return pyplot.subplots(figsize=size)[1]
+    return pyplot.subplots(figsize=size, layout="constrained")[1]
 
 
 def draw_bin(bin: Bin, ax: Optional[Any] = None) -> Any:
@@ -30,7 +31,8 @@ def draw_bin(bin: Bin, ax: Optional[Any] = None) -> Any:
     import matplotlib
     from matplotlib.patches import Rectangle
     info = bin.info
-    ax = _axes(ax, (4.0, 4.0 * info.h / info.w))
+    inch = 5.0 / max(info.w, info.h)
+    ax = _axes(ax, (max(2.0, info.w * inch), max(2.0, info.h * inch)))
     colours = matplotlib.colormaps["tab20"]
     for p in bin.items():
         ax.add_patch(Rectangle((p.x, p.y), p.w, p.h, facecolor=colours(p.item.id % 20),
@@ -52,7 +54,7 @@ def spans(schedule: Schedule, arm: int,
     """What an arm does from when to when: (begin, end, activity, reason of a wait, item), looked
     at every `period` seconds."""
     if not period > 0:
-        raise ValueError(f"period {period}: must be > 0")
+        raise argument_error(f"period {period}: must be > 0")
     makespan = schedule.info.makespan
     found: list[tuple[float, float, Activity, Wait, int]] = []
     begin, now = 0.0, None
@@ -84,7 +86,7 @@ def gantt(schedule: Schedule, ax: Optional[Any] = None, period: float = 0.05) ->
     ax.set_yticks(arms, [f"arm {arm}" for arm in arms])
     ax.set_ylim(len(arms) - 0.5, -0.5)
     ax.set_xlim(0, info.makespan or 1)
-    ax.set_xlabel("s")
+    ax.set_xlabel("time (s)")
     ax.legend(handles=[Patch(color=colour, label=activity.name.lower())
                        for activity, colour in _COLOURS.items()],
               ncol=len(_COLOURS), loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)

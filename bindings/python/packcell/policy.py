@@ -4,7 +4,7 @@ from __future__ import annotations
 import ctypes
 from ctypes import byref
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Sequence
+from typing import Any, Iterable, NamedTuple, Optional
 
 from . import _marshal, _raw as raw
 from ._handle import Handle, handle_of
@@ -12,9 +12,7 @@ from ._marshal import (Array, Path, flat, gathered_bytes, initialised, int32, kn
                        path, read, text, uint64)
 from .bin import Bin
 from .errors import argument_error, check
-
-if TYPE_CHECKING:
-    from .trainer import TrainerOptions
+from .training_options import TrainerOptions, options_in
 
 
 class Architecture(IntEnum):
@@ -24,12 +22,6 @@ class Architecture(IntEnum):
     ACTOR_CRITIC = raw.PKC_ARCH_ACTOR_CRITIC
     FULLY_CONVOLUTIONAL = raw.PKC_ARCH_FULLY_CONVOLUTIONAL
     AFTERSTATE = raw.PKC_ARCH_AFTERSTATE
-
-
-class Rotation(IntEnum):
-    OFF = raw.PKC_ROTATION_OFF
-    ON = raw.PKC_ROTATION_ON
-    MIXED = raw.PKC_ROTATION_MIXED  # each bin draws whether its items may be turned
 
 
 class PolicyInfo(NamedTuple):
@@ -68,6 +60,14 @@ class Measurement(NamedTuple):
 
     mean: float
     half_width: float
+
+
+def _pair(at: int, size: Any) -> tuple[int, int]:
+    try:
+        w, h = size
+    except (TypeError, ValueError):
+        raise TypeError(f"sizes[{at}] must be a pair (w, h), not {size!r}") from None
+    return int32("w", w), int32("h", h)
 
 
 class Policy(Handle):
@@ -138,15 +138,16 @@ class Policy(Handle):
                                       probabilities, actions, byref(count), byref(value)))
         return Evaluation(flat(logits), flat(probabilities), value.value)
 
-    def evaluate_batch(self, bins: Sequence[Bin], sizes: Any, *, probabilities: bool = False,
+    def evaluate_batch(self, bins: Iterable[Bin], sizes: Any, *, probabilities: bool = False,
                        values: bool = False) -> BatchEvaluation:
         """The same for many pairs of a bin and a size (w, h) at once, faster than one by one.
         `sizes` is an array of shape (n, 2) or a sequence of pairs. All bins have the same sides;
         the same bin may stand in many pairs. A heuristic gives positions alone."""
+        bins = list(bins)
         handles = [handle_of("bin", bin, Bin) for bin in bins]
         pointers = (ctypes.POINTER(raw.pkc_bin) * len(handles))(
             *(handle._as_parameter_ for handle in handles))
-        pairs = [(int32("w", w), int32("h", h)) for w, h in sizes]
+        pairs = [_pair(at, size) for at, size in enumerate(sizes)]
         if len(pairs) != len(handles):
             raise argument_error(f"{len(pairs)} sizes for {len(handles)} bins: must be as many")
         count = len(pairs)
@@ -171,7 +172,6 @@ class Policy(Handle):
         """Packs so many bins, 1..2^32, of a held-out stream; bins, items and rotation are those of
         the options."""
         mean, half_width = ctypes.c_double(), ctypes.c_double()
-        from .trainer import options_in
         check(raw.pkc_policy_measure(self._handle, byref(options_in(options)), uint64("seed", seed),
                                      uint64("bins", bins), byref(mean), byref(half_width)))
         return Measurement(mean.value, half_width.value)

@@ -10,7 +10,7 @@ from ._handle import Handle, handle_of
 from ._marshal import gathered, gathered_bytes, initialised, int32, octets, read, text
 from .bin import Bin
 from .errors import check
-from .records import Action, Item, Queued, actions_in, item_in, queued_out
+from .records import ActionLike, ItemLike, Queued, actions_in, item_in, queued_out
 
 
 class Scenario(NamedTuple):
@@ -41,7 +41,8 @@ def scenario_in(scenario: Union[Scenario, str]) -> Any:
         scenario = Scenario.parse(scenario)
     if not isinstance(scenario, Scenario):
         raise TypeError(f"scenario must be a Scenario or a str, not {type(scenario).__name__}")
-    return initialised(raw.pkc_scenario, **scenario._asdict())
+    return initialised(raw.pkc_scenario, **{name: int32(name, value) for name, value in
+                                            scenario._asdict().items()})
 
 
 class QueueInfo(NamedTuple):
@@ -73,11 +74,11 @@ class Queue(Handle):
     def __deepcopy__(self, _memo: Any) -> Queue:
         return self.clone()
 
-    def push(self, item: Item) -> None:
-        """An item arrives at the conveyor's end."""
+    def push(self, item: ItemLike) -> None:
+        """An item arrives at the conveyor's end; a StateError if the queue holds its id already."""
         check(raw.pkc_queue_push(self._handle, byref(item_in(item))))
 
-    def extend(self, items: Iterable[Item]) -> None:
+    def extend(self, items: Iterable[ItemLike]) -> None:
         """Items arrive one after the other; those before one that is refused stay."""
         for item in items:
             self.push(item)
@@ -92,7 +93,7 @@ class Queue(Handle):
         check(raw.pkc_queue_remove_items(self._handle, (ctypes.c_int32 * len(given))(*given),
                                          len(given)))
 
-    def put_in_buffer(self, item: Item, arm: int) -> None:
+    def put_in_buffer(self, item: ItemLike, arm: int) -> None:
         """An item comes into the buffer of `arm` from without."""
         check(raw.pkc_queue_put_in_buffer(self._handle, byref(item_in(item)), int32("arm", arm)))
 
@@ -126,8 +127,10 @@ class Queue(Handle):
             raw.pkc_queued, lambda *out: raw.pkc_queue_buffer(handle, *out))]
 
 
-def apply_step(bin: Bin, queue: Queue, actions: Iterable[Action]) -> None:
-    """Carries out one step on bin and queue, then lets the conveyor advance. All or nothing."""
+def apply_step(bin: Bin, queue: Queue, actions: Iterable[ActionLike]) -> None:
+    """Carries out one step on bin and queue, then lets the conveyor advance. All or nothing: a
+    StateError names the first action that breaks a rule. TERMINATE changes nothing: clear or
+    replace the bin then."""
     array = actions_in(actions)
     check(raw.pkc_step_apply(handle_of("bin", bin, Bin), handle_of("queue", queue, Queue), array,
                              len(array)))

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import ctypes
 from enum import IntEnum, IntFlag
-from typing import Any, Iterable, NamedTuple
+from typing import Any, Iterable, NamedTuple, Union
 
 from . import _raw as raw
 from ._marshal import int32, known, uint32
@@ -64,7 +64,8 @@ class Queued(NamedTuple):
 
 
 class Action(NamedTuple):
-    """A task primitive; fields that an operation does not use are 0."""
+    """A task primitive (paper, Sec. III-A); fields that an operation does not use are 0: UNPACK has
+    item and arm, PACK all, SKIP item, TERMINATE none."""
 
     op: Op
     item: int = 0
@@ -72,6 +73,11 @@ class Action(NamedTuple):
     y: int = 0
     rot: int = 0
     arm: int = 0
+
+
+# What functions take: plain tuples do too.
+ItemLike = Union[Item, tuple[int, int, int], tuple[int, int, int, int]]
+ActionLike = Union[Action, tuple[int, ...]]
 
 
 def item_in(item: Any) -> Any:
@@ -83,7 +89,7 @@ def item_in(item: Any) -> Any:
                         int32("item h", item[2]), flags)
 
 
-def items_in(items: Iterable[Any]) -> Any:
+def items_in(items: Iterable[ItemLike]) -> Any:
     made = [item_in(item) for item in items]
     return (raw.pkc_item * len(made))(*made)
 
@@ -100,7 +106,7 @@ def queued_out(q: Any) -> Queued:
     return Queued(item_out(q.item), q.arms, bool(q.recognized))
 
 
-def actions_in(actions: Iterable[Any]) -> Any:
+def actions_in(actions: Iterable[ActionLike]) -> Any:
     made = []
     for action in actions:
         if not isinstance(action, tuple) or not 1 <= len(action) <= 6:
@@ -115,7 +121,7 @@ def actions_out(actions: Iterable[Any]) -> list[Action]:
     return [Action(known(Op, a.op), a.item, a.x, a.y, a.rot, a.arm) for a in actions]
 
 
-def plan_hash(actions: Iterable[Action]) -> int:
+def plan_hash(actions: Iterable[ActionLike]) -> int:
     """FNV-1a 64 of the actions: equal plans have equal hashes on every machine."""
     array = actions_in(actions)
     hashed = ctypes.c_uint64()

@@ -13,7 +13,7 @@ from .bin import Bin
 from .cell import Cell
 from .errors import check
 from .queue import Queue, Scenario, scenario_in
-from .records import Action, actions_in
+from .records import ActionLike, actions_in
 
 
 class Mode(IntEnum):
@@ -79,27 +79,28 @@ class ScheduleInfo(NamedTuple):
     mode: Mode
     taken: Mode  # whose schedule it is: its own or an incumbent's
     steps: int
-    makespan: float
+    makespan: float  # seconds until both arms are home
     lower_bound: float
-    released: float
-    belt: float
-    planning: float
-    min_clearance: float  # between the arms; -1 with one arm
+    released: float  # when the last step's work was
+    belt: float  # seconds in which the belt moves
+    planning: float  # seconds, as the cell description has them
+    min_clearance: float  # between the arms, metres; -1 with one arm
     arms: tuple[ArmTimes, ArmTimes]
-    hash: int
-    nodes: int
-    milliseconds: float
+    hash: int  # of the schedule, times to the microsecond
+    nodes: int  # of the coordination search
+    milliseconds: float  # thread CPU time of motion planning and coordination
 
 
 class ArmSample(NamedTuple):
-    """An arm at a time."""
+    """An arm at a time: its joints, in radians (metres for the third of a SCARA), and what it
+    does."""
 
     position: tuple[float, ...]
-    velocity: tuple[float, ...]
+    velocity: tuple[float, ...]  # a second
     acceleration: tuple[float, ...]
-    tool: tuple[float, ...]  # x, y, z of the tip, yaw
-    held: float
-    item: int  # -1: none
+    tool: tuple[float, ...]  # x, y, z of the tip, metres; yaw, radians
+    held: float  # half the diagonal of the item in the gripper, metres; 0: none
+    item: int  # that it is about; -1: none
     step: int
     activity: Activity
     reason: Wait
@@ -117,7 +118,7 @@ class Schedule(Handle):
                                       int32("mode", mode), byref(made)))
         self._take(made)
 
-    def add_step(self, bin: Bin, queue: Queue, actions: Iterable[Action]) -> None:
+    def add_step(self, bin: Bin, queue: Queue, actions: Iterable[ActionLike]) -> None:
         """Adds the work of a step that was planned for `bin` and `queue`: those before the step."""
         array = actions_in(actions)
         check(raw.pkc_schedule_add_step(self._handle, handle_of("bin", bin, Bin),
@@ -136,7 +137,7 @@ class Schedule(Handle):
                     arms=tuple(read(ArmTimes, arm) for arm in info.arms))
 
     def sample(self, arm: int, time: float) -> ArmSample:
-        """The arm at a time, 0..makespan."""
+        """The arm at a time, 0..makespan seconds."""
         sample = raw.pkc_arm_sample()
         check(raw.pkc_schedule_sample(self._handle, int32("arm", arm), real("time", time),
                                       byref(sample)))
@@ -161,27 +162,30 @@ class Place(NamedTuple):
     step: int
     arm: int
     outcome: Outcome
-    time: float  # of the release
-    error: float  # between where it lies at the end and where it should
-    turn: float
+    time: float  # of the release, seconds
+    error: float  # between where it lies at the end and where it should, metres
+    turn: float  # the same in radians
 
 
 class SimulationInfo(NamedTuple):
     places: int
     jams: int
     misplaced: int
-    worst_error: float
-    worst_overlap: float
+    worst_error: float  # of an item in the bin at the end, metres
+    worst_overlap: float  # by which two of them, or one and a wall, overlap
     seconds: float  # simulated
     steps: int
-    detections: int
-    missed: int
-    hash: int
-    milliseconds: float
+    detections: int  # arrivals that the photo-eyes saw
+    missed: int  # and did not see
+    hash: int  # of all final poses
+    milliseconds: float  # thread CPU time of the run
 
 
 class Simulation(Handle):
-    """A run of a schedule in a fresh Box2D world; equal schedules and options give equal runs."""
+    """A run of a schedule in a fresh Box2D world; equal schedules and options give equal runs.
+    `hertz`: steps a second, 60..1000 (240); `sigma`, `sigma_yaw`: standard deviations of an item's
+    place, 0..0.05 metres, and turn, 0..0.5 radians, in the gripper (0); `frames`: keep the poses
+    for the replay (False)."""
 
     _free = raw.pkc_simulation_free
 

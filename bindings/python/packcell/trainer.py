@@ -3,69 +3,27 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import byref
-from dataclasses import asdict, dataclass
-from enum import IntEnum
 from typing import Any, NamedTuple, Optional
 
 from . import _raw as raw
 from ._handle import Handle
 from ._marshal import Path, initialised, int32, path, read, uint64
 from .errors import check
-from .policy import Measurement, Policy, Rotation
-
-
-class Learner(IntEnum):
-    A3C = raw.PKC_LEARNER_A3C  # the paper's actor-critic
-    AFTERSTATE = raw.PKC_LEARNER_AFTERSTATE  # the value of bins left behind
-
-
-@dataclass(frozen=True)
-class TrainerOptions:
-    """What is played, by whom and how; None is the library's default, which packcell.h tells with
-    the ranges. Equal options give equal trainings on one architecture."""
-
-    learner: Optional[int] = None
-    architecture: Optional[int] = None
-    bin_w: Optional[int] = None
-    bin_h: Optional[int] = None
-    least_side: Optional[int] = None
-    most_side: Optional[int] = None
-    items: Optional[int] = None
-    rotation: Optional[int] = None
-    workers: Optional[int] = None
-    environments: Optional[int] = None
-    steps: Optional[int] = None
-    channels: Optional[int] = None
-    features: Optional[int] = None
-    hidden: Optional[int] = None
-    seed: Optional[int] = None
-    anneal: Optional[int] = None
-    gamma: Optional[float] = None
-    learning_rate: Optional[float] = None
-    entropy: Optional[float] = None
-    value_weight: Optional[float] = None
-    clip: Optional[float] = None
-    reward_fill: Optional[float] = None
-    name: Optional[str] = None
-
-
-def options_in(options: Optional[TrainerOptions]) -> Any:
-    if options is not None and not isinstance(options, TrainerOptions):
-        raise TypeError(f"options must be TrainerOptions, not {type(options).__name__}")
-    return initialised(raw.pkc_trainer_options, **(asdict(options) if options else {}))
+from .policy import Measurement, Policy
+from .training_options import Rotation, TrainerOptions, options_in
 
 
 class TrainerInfo(NamedTuple):
     """How far a training is, and means over the last run."""
 
-    updates: int
-    steps: int
-    bins: int
+    updates: int  # since the training began
+    steps: int  # items placed since then
+    bins: int  # closed since then
     policy_loss: float
     value_loss: float
-    entropy: float
-    reward: float
-    utilization: float
+    entropy: float  # of the policy, in nats
+    reward: float  # sum over a bin
+    utilization: float  # of the bins closed, 0..1, while the policy explores
 
 
 class Trainer(Handle):
@@ -93,7 +51,9 @@ class Trainer(Handle):
         check(raw.pkc_trainer_save_file(self._handle, path(file)))
 
     def run(self, updates: int) -> None:
-        """Trains for so many updates, 0..2^48. However they are split, the training is the same."""
+        """Trains for so many updates, 0..2^48. However they are split, the training is the same.
+        Other threads run meanwhile, and may call cancel(); Ctrl-C is heard once the call ends. A
+        StateError if the gradient is not finite any more."""
         check(raw.pkc_trainer_run(self._handle, uint64("updates", updates)))
 
     def cancel(self) -> None:
@@ -122,7 +82,8 @@ class Trainer(Handle):
 
     def measure(self, *, rotation: int = Rotation.OFF, seed: int = 1,
                 bins: int = 1000) -> Measurement:
-        """Packs so many bins of a held-out stream by the policy so far."""
+        """Packs so many bins, 1..2^32, of a held-out stream by the policy so far, always its most
+        probable position."""
         mean, half_width = ctypes.c_double(), ctypes.c_double()
         check(raw.pkc_trainer_measure(self._handle, int32("rotation", rotation),
                                       uint64("seed", seed), uint64("bins", bins), byref(mean),

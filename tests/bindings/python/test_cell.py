@@ -93,6 +93,15 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(len(pictures[0].patches), bin.info.items + 1)
         self.assertEqual([label.get_text() for label in pictures[1].get_yticklabels()],
                          ["arm 0", "arm 1"])
+        pictures.append(plot.draw_bin(Bin(128, 4)))
+        for picture in pictures:  # nothing is cut off
+            figure = picture.figure
+            figure.canvas.draw()
+            for text in (picture.title, picture.xaxis.label, *picture.get_yticklabels()):
+                if text.get_text():
+                    box = text.get_window_extent()
+                    self.assertTrue(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1, text)
+                    self.assertTrue(figure.bbox.y0 <= box.y0 and box.y1 <= figure.bbox.y1, text)
         with tempfile.TemporaryDirectory() as folder:
             for at, picture in enumerate(pictures):
                 file = pathlib.Path(folder, f"{at}.png")
@@ -108,6 +117,9 @@ class PlotTest(unittest.TestCase):
         self.assertAlmostEqual(spans[-1][1], schedule.info.makespan)
         for one, next in zip(spans, spans[1:]):
             self.assertEqual(one[1], next[0])
+        for period in (0, -1.0, float("nan")):
+            with self.assertRaises(packcell.ArgumentError):
+                plot.spans(schedule, 0, period)
 
 
 if __name__ == "__main__":

@@ -188,6 +188,8 @@ class PolicyTest(unittest.TestCase):
         self.assertEqual(list(batch.positions),
                          [policy.select(bin, *size) for bin, size in zip(bins, sizes)])
         self.assertIsNone(batch.probabilities)
+        again = policy.evaluate_batch(iter(bins), iter(sizes))
+        self.assertEqual(list(again.positions), list(batch.positions))
         if numpy is not None:
             again = policy.evaluate_batch(bins, numpy.array(sizes))
             self.assertEqual(list(again.positions), list(batch.positions))

@@ -1,5 +1,7 @@
 """Bad input: an exception with the library's line, never a crash."""
 import copy
+import gc
+import os
 import pickle
 import threading
 import unittest
@@ -7,8 +9,8 @@ import unittest
 from setting import numpy
 
 import packcell
-from packcell import (Action, Bin, Budget, BusyError, Cell, ClosedError, Generate, Generator, Item,
-                      Mode, PackcellError, Planner, Policy, Queue, Repack, Schedule, Status,
+from packcell import (Action, Bin, Budget, BusyError, Cell, ClosedError, Generate, Generator, Grid,
+                      Item, Mode, PackcellError, Planner, Policy, Queue, Repack, Schedule, Status,
                       Trainer)
 
 
@@ -75,9 +77,17 @@ class ValueTest(unittest.TestCase):
                 lambda: Policy("contact").evaluate_batch([], []),
                 lambda: Cell().inverse(0, [0.0] * 3),
                 lambda: Cell().forward(0, [0.0] * 7),
+                lambda: Cell().forward(0, [10 ** 400] * 6),
+                lambda: Grid(bin_w=10 ** 400),
+                lambda: Bin(10 ** 6000, 3),
+                lambda: Policy("\ud800"),
+                lambda: Policy.load_file("\ud800"),
+                lambda: Cell.load("\ud800"),
+                lambda: Trainer(name="\ud800"),
         ):
-            with self.assertRaises(ValueError):
+            with self.assertRaises(ValueError) as caught:
                 call()
+            self.assertIsInstance(caught.exception, packcell.ArgumentError)
 
     def test_wrong_types(self):
         bin, queue, planner = Bin(3, 3), Queue(), Planner()
@@ -110,9 +120,17 @@ class ValueTest(unittest.TestCase):
                 lambda: Trainer(5),
                 lambda: Trainer(no_such=1),
                 lambda: Generator(seed="x"),
+                lambda: Generator(None),
+                lambda: Generator().next(1.5),
+                lambda: Generator().next("1"),
+                lambda: Queue(packcell.Scenario(None, 1, 1, 0)),
+                lambda: Policy("contact").evaluate_batch([bin], [(1, 1, 1)]),
+                lambda: Grid().item(1j, 1),
         ):
             with self.assertRaises(TypeError):
                 call()
+        with self.assertRaisesRegex(TypeError, "w must be an integer, not float"):
+            Bin(3.0, 3)
         if numpy is not None:
             with self.assertRaises(TypeError):
                 Bin(numpy.zeros(2), 3)
@@ -163,6 +181,39 @@ class ClosedTest(unittest.TestCase):
         with self.assertRaises(PackcellError):
             Bin(0, 0).close()
 
+    @unittest.skipUnless(hasattr(os, "fork"), "a system without fork")
+    def test_a_forked_child_has_objects_of_its_own(self):
+        bin, queue, planner = Bin(3, 3), Queue(), Planner("contact")
+        child = os.fork()
+        if child == 0:
+            status = 1
+            try:
+                queue.push(Item(0, 1, 1))
+                packcell.apply_step(bin, queue, planner.plan(bin, queue).actions)
+                for made in (bin, queue, planner):
+                    made.close()
+                status = 0
+            finally:
+                os._exit(status)
+        self.assertEqual(os.waitpid(child, 0)[1], 0)
+        self.assertEqual(bin.info.items, 0)
+
+    def test_objects_in_cycles_are_freed(self):
+        freed = []
+
+        class Watched(Bin):
+            @staticmethod
+            def _free(pointer):
+                freed.append(1)
+                Bin._free(pointer)
+
+        for _ in range(20):
+            bin = Watched(3, 3)
+            bin.itself = bin
+        del bin
+        gc.collect()
+        self.assertEqual(len(freed), 20)
+
     def test_parts_may_go_first(self):
         policy = Policy("contact")
         planner = Planner(policy)
@@ -211,6 +262,23 @@ class ThreadTest(unittest.TestCase):
         self.assertEqual(busy.status, Status.BUSY)
         self.assertTrue(busy.message)
 
+    def test_a_plan_that_another_thread_replaced_is_not_given_out(self):
+        bin, queue, other, planner = Bin(10, 10), Queue(), Queue(), Planner("contact")
+        queue.push(Item(1, 2, 2))
+        other.push(Item(2, 3, 3))
+        result = planner.result
+
+        def replaced():  # as a thread does that comes between the plan and its reading
+            planner.begin(bin, other)
+            while not planner.step(1000):
+                pass
+            return result()
+        planner.result = replaced
+        with self.assertRaises(BusyError):
+            planner.plan(bin, queue)
+        planner.result = result
+        self.assertEqual(planner.plan(bin, queue).actions[0].item, 1)
+
     def test_closing_what_another_thread_uses_waits_for_it(self):
         thread = self.plan_aside(Budget(0, 200))
         while thread.is_alive():
@@ -219,6 +287,51 @@ class ThreadTest(unittest.TestCase):
             self.queue.close()
         thread.join()
         self.assertIsInstance(self.ended, (ClosedError, packcell.Plan))
+
+    def test_a_batch_outlives_the_bins_that_are_closed_meanwhile(self):
+        policy, bins = Policy("contact"), [Bin(10, 10) for _ in range(4)]
+        wrong = []
+
+        def work():
+            for _ in range(50):
+                try:
+                    policy.evaluate_batch(list(bins) * 50, [(2, 3)] * 200)
+                except ClosedError:
+                    pass
+                except BaseException as error:  # noqa: BLE001: any other is a fault
+                    wrong.append(error)
+        thread = threading.Thread(target=work)
+        thread.start()
+        at = 0
+        while thread.is_alive():
+            at = (at + 1) % len(bins)
+            bins[at].close()
+            bins[at] = Bin(10, 10)
+        thread.join()
+        self.assertEqual(wrong, [])
+
+    def test_a_training_is_cancelled_from_another_thread(self):
+        trainer = Trainer(bin_w=4, bin_h=4, most_side=2, workers=1, environments=1, steps=1,
+                          channels=1, features=2, hidden=2)
+
+        def work():
+            while True:
+                try:
+                    return trainer.run(1 << 48)
+                except BusyError:  # it came while the other thread asked for the info
+                    pass
+        thread = threading.Thread(target=work)
+        thread.start()
+        busy = None
+        while thread.is_alive():
+            try:
+                trainer.info
+            except BusyError as error:
+                busy = error
+                trainer.cancel()
+        thread.join()
+        self.assertIn("trainer", busy.message)
+        self.assertGreater(trainer.info.updates, 0)
 
     def test_many_threads_on_one_bin(self):
         bin = Bin(10, 10)
