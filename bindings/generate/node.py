@@ -13,6 +13,7 @@ const pointer = koffi.pointer;
 const out = koffi.out;
 const inout = koffi.inout;
 
+// Types without names: koffi knows those once a process, and this file may be loaded twice.
 """
 
 
@@ -66,9 +67,9 @@ def emit(api):
     named = structs | {h["name"] for h in api["handles"]}
     out = [HEAD % {"major": api["version"].split(".")[0]}]
     for handle in api["handles"]:
-        out.append(f"const {handle['name']} = koffi.opaque('{handle['name']}');\n")
+        out.append(f"const {handle['name']} = koffi.opaque();\n")
     for struct in api["structs"]:
-        out.append(f"\nconst {struct['name']} = koffi.struct('{struct['name']}', {{\n")
+        out.append(f"\nconst {struct['name']} = koffi.struct({{\n")
         out += [f"  {f['name']}: {field_kind(f, structs)},\n" for f in struct["fields"]]
         out.append("});\n")
     out.append("\nconst raw = {};\n\nraw.handles = {\n")

@@ -1,6 +1,11 @@
 // Types of packcell for Node.js. The fields of records are those of packcell.h, which says what
 // they mean; handles are freed by close(), or when nobody has them any more.
 
+// As in TypeScript's own esnext.disposable, which not everybody has.
+declare global {
+  interface SymbolConstructor { readonly dispose: unique symbol }
+}
+
 /** A call that the library refused, with its message. A value of a wrong type is a TypeError, a
  * number that its C type does not hold a RangeError. */
 export class PackcellError extends Error {
@@ -20,6 +25,8 @@ export interface Action {
 declare class Handle {
   /** Frees the handle now. PKC_E_BUSY while a call on another thread uses it. */
   close(): void;
+  /** close(), for `using`; where Node.js has Symbol.dispose. */
+  [Symbol.dispose](): void;
   readonly closed: boolean;
 }
 
@@ -80,7 +87,7 @@ export class Queue extends Handle {
 /** Carries out one step's actions, all or nothing. */
 export function apply(bin: Bin, queue: Queue, actions: Action[]): void;
 export function planHash(actions: Action[]): bigint;
-export function saveSnapshot(bin: Bin, queue: Queue): Buffer;
+export function saveSnapshot(bin: Bin, queue: Queue): Uint8Array;
 export function loadSnapshot(snapshot: Uint8Array): { bin: Bin; queue: Queue };
 
 export interface PolicyInfo {
@@ -95,7 +102,7 @@ export class Policy extends Handle {
   static builtins(): string[];
   static load(blob: Uint8Array): Policy;
   static loadFile(path: string): Policy;
-  save(): Buffer;
+  save(): Uint8Array;
   saveFile(path: string): void;
   readonly name: string;
   info(): PolicyInfo;
@@ -108,6 +115,20 @@ export class Policy extends Handle {
   evaluateBatch(pairs: Array<[Bin, number, number]>): {
     positions: Int32Array; probabilities: Float32Array; values: Float32Array;
   };
+  /** Mean utilisation, 0..1, of so many `bins` (1000) of a held-out stream by `seed` (1), and half
+   * the width of its 95 % interval. Bins, items and rotation are those of the options. */
+  measure(options?: TrainerOptions | null,
+    stream?: { seed?: number | bigint; bins?: number | bigint }):
+    { mean: number; half_width: number };
+}
+
+/** What is not given is the library's default. */
+export interface TrainerOptions {
+  learner?: number; architecture?: number; bin_w?: number; bin_h?: number; least_side?: number;
+  most_side?: number; items?: number; rotation?: number; workers?: number; environments?: number;
+  steps?: number; channels?: number; features?: number; hidden?: number; seed?: number | bigint;
+  anneal?: number | bigint; gamma?: number; learning_rate?: number; entropy?: number;
+  value_weight?: number; clip?: number; reward_fill?: number; name?: string;
 }
 
 export interface PlannerOptions {
@@ -126,7 +147,7 @@ export interface Plan { info: PlanInfo; actions: Required<Action>[] }
 export class Planner extends Handle {
   constructor(options?: PlannerOptions | null, policy?: Policy | null);
   plan(bin: Bin, queue: Queue, budget?: Budget): Plan;
-  /** On another thread. Until the promise is settled the planner is in use, bin and queue are not. */
+  /** On another thread. Until the promise is settled the planner, and it alone, is in use. */
   planAsync(bin: Bin, queue: Queue, budget?: Budget): Promise<Plan>;
   begin(bin: Bin, queue: Queue, budget?: Budget): void;
   /** Spends up to so many nodes; true when nothing is left to do. */
@@ -224,6 +245,23 @@ export class Generator extends Handle {
   constructor(options?: GeneratorOptions);
   /** PKC_GENERATE_RANDOM: so many items. PKC_GENERATE_FULL: the next set, of at most so many. */
   next(most: number): Required<Item>[];
+}
+
+export interface GridFields {
+  bin_w?: number; bin_h?: number; margin?: number; cell?: number; clearance?: number;
+}
+
+/** From the millimetres of a real bin to cells and back; what is not given is the paper's. A side
+ * has floor((side - 2 * margin) / cell) cells, an item takes ceil((side + clearance) / cell). */
+export class Grid {
+  constructor(fields?: GridFields | null);
+  /** Cells of the bin's sides. */
+  bin(): { w: number; h: number };
+  /** Cells that an item of w x h millimetres takes. */
+  item(w: number, h: number): { w: number; h: number };
+  /** Centre of a w x h rectangle of cells at cell (x, y), in millimetres from the inside top-left
+   * corner of the bin. */
+  centre(x: number, y: number, w: number, h: number): { x: number; y: number };
 }
 
 /** Of the linked library: "0.1.0". */

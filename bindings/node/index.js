@@ -2,11 +2,23 @@
 // packcell.h; the fields of records are those of the header.
 'use strict';
 
-const raw = require('./raw.js');
+const raw = load();
 const { PackcellError } = require('./lib/check.js');
 
 const constants = Object.fromEntries(
   Object.entries(raw).filter(([name]) => name.startsWith('PKC_')));
+
+// The loader's own message names neither the library nor the way to it.
+function load() {
+  try {
+    return require('./raw.js');
+  } catch (e) {
+    if (!/shared library/.test(e.message)) throw e;
+    const name = process.env.PACKCELL_LIBRARY || 'libpackcell.so.0';
+    throw new Error(`${name}: ${e.message}; PACKCELL_LIBRARY names the library, else the loader `
+      + 'must find libpackcell.so.0', { cause: e });
+  }
+}
 
 // Version of the linked library.
 function version() {
@@ -23,6 +35,7 @@ module.exports = {
   ...require('./lib/cell.js'),
   ...require('./lib/schedule.js'),
   ...require('./lib/generator.js'),
+  ...require('./lib/grid.js'),
   PackcellError,
   version,
 };

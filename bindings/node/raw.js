@@ -11,37 +11,38 @@ const pointer = koffi.pointer;
 const out = koffi.out;
 const inout = koffi.inout;
 
-const pkc_bin = koffi.opaque('pkc_bin');
-const pkc_queue = koffi.opaque('pkc_queue');
-const pkc_policy = koffi.opaque('pkc_policy');
-const pkc_trainer = koffi.opaque('pkc_trainer');
-const pkc_planner = koffi.opaque('pkc_planner');
-const pkc_cell = koffi.opaque('pkc_cell');
-const pkc_schedule = koffi.opaque('pkc_schedule');
-const pkc_simulation = koffi.opaque('pkc_simulation');
-const pkc_generator = koffi.opaque('pkc_generator');
+// Types without names: koffi knows those once a process, and this file may be loaded twice.
+const pkc_bin = koffi.opaque();
+const pkc_queue = koffi.opaque();
+const pkc_policy = koffi.opaque();
+const pkc_trainer = koffi.opaque();
+const pkc_planner = koffi.opaque();
+const pkc_cell = koffi.opaque();
+const pkc_schedule = koffi.opaque();
+const pkc_simulation = koffi.opaque();
+const pkc_generator = koffi.opaque();
 
-const pkc_item = koffi.struct('pkc_item', {
+const pkc_item = koffi.struct({
   id: 'int32_t',
   w: 'int32_t',
   h: 'int32_t',
   flags: 'uint32_t',
 });
 
-const pkc_placement = koffi.struct('pkc_placement', {
+const pkc_placement = koffi.struct({
   item: pkc_item,
   x: 'int32_t',
   y: 'int32_t',
   rot: 'int32_t',
 });
 
-const pkc_queued = koffi.struct('pkc_queued', {
+const pkc_queued = koffi.struct({
   item: pkc_item,
   arms: 'int32_t',
   recognized: 'int32_t',
 });
 
-const pkc_action = koffi.struct('pkc_action', {
+const pkc_action = koffi.struct({
   op: 'int32_t',
   item: 'int32_t',
   x: 'int32_t',
@@ -50,7 +51,7 @@ const pkc_action = koffi.struct('pkc_action', {
   arm: 'int32_t',
 });
 
-const pkc_bin_info = koffi.struct('pkc_bin_info', {
+const pkc_bin_info = koffi.struct({
   struct_size: 'uint32_t',
   w: 'int32_t',
   h: 'int32_t',
@@ -60,7 +61,7 @@ const pkc_bin_info = koffi.struct('pkc_bin_info', {
   hash: 'uint64_t',
 });
 
-const pkc_scenario = koffi.struct('pkc_scenario', {
+const pkc_scenario = koffi.struct({
   struct_size: 'uint32_t',
   robots: 'int32_t',
   recognized: 'int32_t',
@@ -68,7 +69,7 @@ const pkc_scenario = koffi.struct('pkc_scenario', {
   overlap: 'int32_t',
 });
 
-const pkc_queue_info = koffi.struct('pkc_queue_info', {
+const pkc_queue_info = koffi.struct({
   struct_size: 'uint32_t',
   belt: 'int32_t',
   buffered: 'int32_t',
@@ -78,7 +79,7 @@ const pkc_queue_info = koffi.struct('pkc_queue_info', {
   alpha_left: 'int32_t',
 });
 
-const pkc_grid = koffi.struct('pkc_grid', {
+const pkc_grid = koffi.struct({
   struct_size: 'uint32_t',
   reserved: 'uint32_t',
   bin_w: 'double',
@@ -88,7 +89,7 @@ const pkc_grid = koffi.struct('pkc_grid', {
   clearance: 'double',
 });
 
-const pkc_policy_info = koffi.struct('pkc_policy_info', {
+const pkc_policy_info = koffi.struct({
   struct_size: 'uint32_t',
   architecture: 'int32_t',
   bin_w: 'int32_t',
@@ -101,7 +102,7 @@ const pkc_policy_info = koffi.struct('pkc_policy_info', {
   learner: koffi.array('char', 32, 'String'),
 });
 
-const pkc_trainer_options = koffi.struct('pkc_trainer_options', {
+const pkc_trainer_options = koffi.struct({
   struct_size: 'uint32_t',
   learner: 'int32_t',
   architecture: 'int32_t',
@@ -129,7 +130,7 @@ const pkc_trainer_options = koffi.struct('pkc_trainer_options', {
   name: koffi.array('char', 32, 'String'),
 });
 
-const pkc_trainer_info = koffi.struct('pkc_trainer_info', {
+const pkc_trainer_info = koffi.struct({
   struct_size: 'uint32_t',
   reserved: 'uint32_t',
   updates: 'uint64_t',
@@ -142,7 +143,7 @@ const pkc_trainer_info = koffi.struct('pkc_trainer_info', {
   utilization: 'double',
 });
 
-const pkc_planner_options = koffi.struct('pkc_planner_options', {
+const pkc_planner_options = koffi.struct({
   struct_size: 'uint32_t',
   method: 'int32_t',
   rotation: 'int32_t',
@@ -156,14 +157,14 @@ const pkc_planner_options = koffi.struct('pkc_planner_options', {
   memory: 'uint64_t',
 });
 
-const pkc_budget = koffi.struct('pkc_budget', {
+const pkc_budget = koffi.struct({
   struct_size: 'uint32_t',
   reserved: 'uint32_t',
   nodes: 'uint64_t',
   milliseconds: 'double',
 });
 
-const pkc_plan_info = koffi.struct('pkc_plan_info', {
+const pkc_plan_info = koffi.struct({
   struct_size: 'uint32_t',
   actions: 'int32_t',
   packs: 'int32_t',
@@ -181,7 +182,7 @@ const pkc_plan_info = koffi.struct('pkc_plan_info', {
   repack_milliseconds: 'double',
 });
 
-const pkc_cell_info = koffi.struct('pkc_cell_info', {
+const pkc_cell_info = koffi.struct({
   struct_size: 'uint32_t',
   arms: 'int32_t',
   bin_w: 'int32_t',
@@ -194,27 +195,27 @@ const pkc_cell_info = koffi.struct('pkc_cell_info', {
   name: koffi.array('char', 32, 'String'),
 });
 
-const pkc_layout_options = koffi.struct('pkc_layout_options', {
+const pkc_layout_options = koffi.struct({
   struct_size: 'uint32_t',
   evaluations: 'int32_t',
   range: 'double',
 });
 
-const pkc_layout_info = koffi.struct('pkc_layout_info', {
+const pkc_layout_info = koffi.struct({
   struct_size: 'uint32_t',
   evaluations: 'int32_t',
   before: 'double',
   after: 'double',
 });
 
-const pkc_arm_times = koffi.struct('pkc_arm_times', {
+const pkc_arm_times = koffi.struct({
   travel: 'double',
   strokes: 'double',
   grips: 'double',
   waits: koffi.array('double', 8, 'Array'),
 });
 
-const pkc_schedule_info = koffi.struct('pkc_schedule_info', {
+const pkc_schedule_info = koffi.struct({
   struct_size: 'uint32_t',
   mode: 'int32_t',
   taken: 'int32_t',
@@ -231,7 +232,7 @@ const pkc_schedule_info = koffi.struct('pkc_schedule_info', {
   milliseconds: 'double',
 });
 
-const pkc_arm_sample = koffi.struct('pkc_arm_sample', {
+const pkc_arm_sample = koffi.struct({
   position: koffi.array('double', 6, 'Array'),
   velocity: koffi.array('double', 6, 'Array'),
   acceleration: koffi.array('double', 6, 'Array'),
@@ -243,7 +244,7 @@ const pkc_arm_sample = koffi.struct('pkc_arm_sample', {
   reason: 'int32_t',
 });
 
-const pkc_simulation_options = koffi.struct('pkc_simulation_options', {
+const pkc_simulation_options = koffi.struct({
   struct_size: 'uint32_t',
   hertz: 'int32_t',
   sigma: 'double',
@@ -253,7 +254,7 @@ const pkc_simulation_options = koffi.struct('pkc_simulation_options', {
   reserved: 'int32_t',
 });
 
-const pkc_place = koffi.struct('pkc_place', {
+const pkc_place = koffi.struct({
   item: 'int32_t',
   step: 'int32_t',
   arm: 'int32_t',
@@ -263,7 +264,7 @@ const pkc_place = koffi.struct('pkc_place', {
   turn: 'double',
 });
 
-const pkc_simulation_info = koffi.struct('pkc_simulation_info', {
+const pkc_simulation_info = koffi.struct({
   struct_size: 'uint32_t',
   places: 'int32_t',
   jams: 'int32_t',
@@ -278,7 +279,7 @@ const pkc_simulation_info = koffi.struct('pkc_simulation_info', {
   milliseconds: 'double',
 });
 
-const pkc_generator_options = koffi.struct('pkc_generator_options', {
+const pkc_generator_options = koffi.struct({
   struct_size: 'uint32_t',
   kind: 'int32_t',
   w: 'int32_t',

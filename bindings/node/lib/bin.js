@@ -10,7 +10,7 @@ const { ok, integer, fill } = check;
 class Bin extends Handle {
   constructor(w, h) {
     const sides = [integer(w, 'w'), integer(h, 'h')];
-    super(raw.pkc_bin_free, (out) => raw.pkc_bin_create(...sides, out));
+    super(Bin, raw.pkc_bin_free, (out) => raw.pkc_bin_create(...sides, out));
   }
 
   clone() {
@@ -23,15 +23,13 @@ class Bin extends Handle {
   }
 
   block(x, y, w, h) {
-    const bin = Bin.pointer(this, 'bin');
-    ok(raw.pkc_bin_block(bin, integer(x, 'x'), integer(y, 'y'), integer(w, 'w'),
-      integer(h, 'h')));
+    const area = [integer(x, 'x'), integer(y, 'y'), integer(w, 'w'), integer(h, 'h')];
+    ok(raw.pkc_bin_block(Bin.pointer(this, 'bin'), ...area));
   }
 
   pack(item, x, y, rot = 0) {
-    const bin = Bin.pointer(this, 'bin');
-    ok(raw.pkc_bin_pack(bin, check.item(item), integer(x, 'x'), integer(y, 'y'),
-      integer(rot, 'rot')));
+    const args = [check.item(item), integer(x, 'x'), integer(y, 'y'), integer(rot, 'rot')];
+    ok(raw.pkc_bin_pack(Bin.pointer(this, 'bin'), ...args));
   }
 
   unpack(id) {
@@ -61,10 +59,9 @@ class Bin extends Handle {
   }
 
   contact(x, y, w, h) {
+    const area = [integer(x, 'x'), integer(y, 'y'), integer(w, 'w'), integer(h, 'h')];
     const reward = [0];
-    const bin = Bin.pointer(this, 'bin');
-    ok(raw.pkc_bin_contact(bin, integer(x, 'x'), integer(y, 'y'), integer(w, 'w'),
-      integer(h, 'h'), reward));
+    ok(raw.pkc_bin_contact(Bin.pointer(this, 'bin'), ...area, reward));
     return reward[0];
   }
 }

@@ -11,7 +11,7 @@ const { ok, integer } = check;
 class Cell extends Handle {
   constructor(preset) {
     const text = check.string(preset, 'preset');
-    super(raw.pkc_cell_free, (out) => raw.pkc_cell_create(text, out));
+    super(Cell, raw.pkc_cell_free, (out) => raw.pkc_cell_create(text, out));
   }
 
   static presets() {
@@ -46,32 +46,33 @@ class Cell extends Handle {
 
   // Throws if the arms do not reach the belt's zones as the scenario says.
   check(scenario) {
-    ok(raw.pkc_cell_check(Cell.pointer(this, 'cell'), Scenario.raw(scenario)));
+    const struct = Scenario.raw(scenario);
+    ok(raw.pkc_cell_check(Cell.pointer(this, 'cell'), struct));
   }
 
   inverse(arm, pose) {
+    const args = [integer(arm, 'arm'), check.numbers(pose, 'pose', 4)];
     const joints = new Float64Array(raw.PKC_MAX_JOINTS);
-    const cell = Cell.pointer(this, 'cell');
-    ok(raw.pkc_cell_inverse(cell, integer(arm, 'arm'), check.numbers(pose, 'pose', 4),
-      joints));
+    ok(raw.pkc_cell_inverse(Cell.pointer(this, 'cell'), ...args, joints));
     return joints;
   }
 
   forward(arm, joints) {
+    const args = [integer(arm, 'arm'), check.numbers(joints, 'joints', raw.PKC_MAX_JOINTS)];
     const pose = new Float64Array(4);
-    ok(raw.pkc_cell_forward(Cell.pointer(this, 'cell'), integer(arm, 'arm'),
-      check.numbers(joints, 'joints', raw.PKC_MAX_JOINTS), pose));
+    ok(raw.pkc_cell_forward(Cell.pointer(this, 'cell'), ...args, pose));
     return pose;
   }
 
   // A cell of its own, with bases, buffers and homes moved for the shortest mean transfer.
   optimizeLayout(scenario, options) {
-    const args = [Cell.pointer(this, 'cell'), Scenario.raw(scenario),
+    const args = [Scenario.raw(scenario),
       check.options('pkc_layout_options', options, 'options')];
     const info = check.options('pkc_layout_info');
-    const cell = adopt(Cell, raw.pkc_cell_free,
-      (out) => raw.pkc_cell_optimize_layout(...args, info, out));
-    return { cell, info: check.tidy(info) };
+    const cell = Cell.pointer(this, 'cell');
+    const moved = adopt(Cell, raw.pkc_cell_free,
+      (out) => raw.pkc_cell_optimize_layout(cell, ...args, info, out));
+    return { cell: moved, info: check.tidy(info) };
   }
 
   // The actions with the arms of packs from the belt named anew.

@@ -2,6 +2,7 @@
 // would cut a number to its type and read past the end of a short array.
 'use strict';
 
+const { isUint8Array } = require('node:util/types');
 const koffi = require('koffi');
 const raw = require('../raw.js');
 
@@ -38,13 +39,15 @@ const kIntegers = {
 // A number or BigInt that this C type holds.
 function integer(value, name, type = 'Int32') {
   const [least, most] = kIntegers[type];
-  const whole = typeof value === 'bigint' || Number.isSafeInteger(value);
-  if (!whole) {
+  if (typeof value !== 'bigint' && !Number.isInteger(value)) {
     if (typeof value !== 'number') throw wrong(name, 'a whole number');
     throw new RangeError(`${name} ${show(value)}: must be a whole number`);
   }
   if (value < least || value > most) {
     throw new RangeError(`${name} ${show(value)}: must be ${least}..${most}`);
+  }
+  if (typeof value === 'number' && !Number.isSafeInteger(value)) {
+    throw new RangeError(`${name} ${show(value)}: must be a BigInt, to be exact`);
   }
   return type.endsWith('64') ? BigInt(value) : Number(value);
 }
@@ -63,10 +66,10 @@ function string(value, name) {
 
 // A copy of its own and its size. It has one byte more, as koffi makes NULL of an empty array.
 function bytes(value, name) {
-  if (!(value instanceof Uint8Array)) throw wrong(name, 'a Buffer or Uint8Array');
+  if (!isUint8Array(value)) throw wrong(name, 'a Buffer or Uint8Array');
   const copy = Buffer.alloc(value.length + 1);
   copy.set(value);
-  return [copy, value.length];
+  return [copy, copy.length - 1];
 }
 
 function flag(value, name) {
@@ -78,8 +81,14 @@ function isList(value) {
   return Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
 }
 
+// More than any call of the library takes; a copy of much more would end the process.
+const kMostElements = 2 ** 24;
+
 function list(value, name) {
   if (!isList(value)) throw wrong(name, 'an array');
+  if (value.length > kMostElements) {
+    throw new RangeError(`${name} has ${value.length} elements: must have 0..${kMostElements}`);
+  }
   return Array.from(value);
 }
 

@@ -16,7 +16,7 @@ class Generator extends Handle {
       check.ok(raw.pkc_generator_preset(all, check.string(preset, 'preset')));
     }
     Object.assign(all, given(options));
-    super(raw.pkc_generator_free, (out) => raw.pkc_generator_create(all, out));
+    super(Generator, raw.pkc_generator_free, (out) => raw.pkc_generator_create(all, out));
   }
 
   // PKC_GENERATE_RANDOM: so many items. PKC_GENERATE_FULL: the next set, of at most so many.

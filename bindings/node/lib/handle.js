@@ -9,14 +9,16 @@ const { PackcellError, ok, wrong } = require('./check.js');
 const forgotten = new FinalizationRegistry(({ free, pointer }) => free(pointer));
 
 class Handle {
+  #type;
   #pointer;
   #free;
   #pins = 0;
 
-  // Takes the handle that `create(out)` stores in out[0], if it succeeds.
-  constructor(free, create) {
+  // Takes the handle of this class that `create(out)` stores in out[0], if it succeeds.
+  constructor(type, free, create) {
     const out = [null];
     ok(create(out));
+    this.#type = type;
     this.#pointer = out[0];
     this.#free = free;
     forgotten.register(this, { free, pointer: this.#pointer }, this);
@@ -38,10 +40,13 @@ class Handle {
   }
 
   // The raw handle of `value`, which must be an open one of this class; null stays null, of which
-  // the library says what it thinks.
+  // the library says what it thinks. A caller asks for it last: what reads the other arguments may
+  // run code of the user's, a getter or an iterator, and that may close the handle.
   static pointer(value, name) {
     if (value === null || value === undefined) return null;
-    if (!(value instanceof this) || !(#pointer in value)) throw wrong(name, `a ${this.name}`);
+    // Not by the prototype, which anybody can change.
+    const own = typeof value === 'object' && #type in value && value.#type === this;
+    if (!own) throw wrong(name, `a ${this.name}`);
     if (value.#pointer === null) {
       const what = `${name} is closed: must be an open ${this.name}`;
       throw new PackcellError(raw.PKC_E_ARGUMENT, what);
@@ -71,7 +76,7 @@ function busy(name) {
 
 // An object of a class around a handle that another call makes: its own constructor is not run.
 function adopt(type, free, create) {
-  return Reflect.construct(Handle, [free, create], type);
+  return Reflect.construct(Handle, [type, free, create], type);
 }
 
 module.exports = { Handle, adopt, busy };

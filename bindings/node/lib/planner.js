@@ -14,6 +14,12 @@ const { ok, integer } = check;
 const stepOnThread = promisify(raw.pkc_planner_step.async);
 const kAllNodes = 2n ** 64n - 1n;
 
+// The process cannot end before the plans on other threads do: on its way out it ends them.
+const working = new Set();
+process.on('exit', () => {
+  for (const planner of working) raw.pkc_planner_cancel(Planner.pointer(planner, 'planner'));
+});
+
 const budgetOf = (budget) => check.options('pkc_budget', budget, 'budget');
 
 // The raw handle of a planner that is not at work.
@@ -29,7 +35,7 @@ class Planner extends Handle {
   constructor(options, policy) {
     const all = check.options('pkc_planner_options', options, 'options');
     const handle = Policy.pointer(policy, 'policy');
-    super(raw.pkc_planner_free, (out) => raw.pkc_planner_create(all, handle, out));
+    super(Planner, raw.pkc_planner_free, (out) => raw.pkc_planner_create(all, handle, out));
   }
 
   plan(bin, queue, budget) {
@@ -45,10 +51,12 @@ class Planner extends Handle {
     this.begin(bin, queue, budget);
     const planner = idle(this);
     Handle.pin(this);
+    working.add(this);
     let status;
     try {
       status = await stepOnThread(planner, kAllNodes, [0]);
     } finally {
+      working.delete(this);
       Handle.unpin(this);
     }
     // What the library said is that other thread's own and cannot be read here.
@@ -94,11 +102,12 @@ const kAnswers = {
 // Can all items be placed on the bin's free cells?
 function exactPack(bin, items, { rotation = true, budget } = {}) {
   const all = check.items(items);
+  const limits = [check.flag(rotation, 'rotation'), budgetOf(budget)];
   const placements = check.objects(all.length);
   const answer = [0];
   const nodes = [0];
-  ok(raw.pkc_exact_pack(Bin.pointer(bin, 'bin'), all, all.length, check.flag(rotation, 'rotation'),
-    budgetOf(budget), placements, answer, nodes));
+  ok(raw.pkc_exact_pack(Bin.pointer(bin, 'bin'), all, all.length, ...limits, placements, answer,
+    nodes));
   const found = answer[0] === raw.PKC_PACKING_FOUND;
   return {
     answer: kAnswers[answer[0]],
@@ -110,10 +119,10 @@ function exactPack(bin, items, { rotation = true, budget } = {}) {
 // How many of the next items, without one left out, fit together on the bin's free cells.
 function boundInOrder(bin, items, { rotation = true, budget } = {}) {
   const all = check.items(items);
+  const limits = [check.flag(rotation, 'rotation'), budgetOf(budget)];
   const count = [0];
   const answer = [0];
-  ok(raw.pkc_bound_in_order(Bin.pointer(bin, 'bin'), all, all.length,
-    check.flag(rotation, 'rotation'), budgetOf(budget), count, answer));
+  ok(raw.pkc_bound_in_order(Bin.pointer(bin, 'bin'), all, all.length, ...limits, count, answer));
   return { count: Number(count[0]), exact: answer[0] !== raw.PKC_PACKING_BUDGET };
 }
 

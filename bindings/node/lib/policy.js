@@ -11,7 +11,7 @@ const { ok, integer } = check;
 class Policy extends Handle {
   constructor(name = 'default') {
     const text = check.string(name, 'name');
-    super(raw.pkc_policy_free, (out) => raw.pkc_policy_create(text, out));
+    super(Policy, raw.pkc_policy_free, (out) => raw.pkc_policy_create(text, out));
   }
 
   static builtins() {
@@ -58,7 +58,7 @@ class Policy extends Handle {
     const sides = [integer(w, 'w'), integer(h, 'h')];
     const policy = Policy.pointer(this, 'policy');
     const handle = Bin.pointer(bin, 'bin');
-    const positions = handle === null ? 1 : positionsOf(bin);
+    const positions = positionsOf(handle);
     const logits = new Float32Array(positions);
     const probabilities = new Float32Array(positions);
     const value = [0];
@@ -78,7 +78,7 @@ class Policy extends Handle {
 
   evaluateBatch(pairs) {
     const { bins, sizes } = unzip(pairs);
-    const each = bins.length > 0 && bins[0] !== null ? positionsOf(pairs[0][0]) : 0;
+    const each = bins.length > 0 ? positionsOf(bins[0]) : 0;
     const positions = new Int32Array(bins.length);
     const probabilities = new Float32Array(bins.length * each);
     const values = new Float32Array(bins.length);
@@ -87,11 +87,23 @@ class Policy extends Handle {
       probabilities, values));
     return { positions, probabilities, values };
   }
+
+  // Packs so many bins of a held-out stream. Bins, items and rotation are those of the options, the
+  // fields of pkc_trainer_options.
+  measure(options, { seed = 1, bins = 1000 } = {}) {
+    const args = [check.options('pkc_trainer_options', options, 'options'),
+      integer(seed, 'seed', 'UInt64'), integer(bins, 'bins', 'UInt64')];
+    const [mean, halfWidth] = [[0], [0]];
+    ok(raw.pkc_policy_measure(Policy.pointer(this, 'policy'), ...args, mean, halfWidth));
+    return { mean: mean[0], half_width: halfWidth[0] };
+  }
 }
 
-// W*H + 1.
+// W*H + 1 of a raw handle, 1 of none. The library does not check the size of a batch's arrays: it
+// must not come from anything that others can change, such as bin.info().
 function positionsOf(bin) {
-  const { w, h } = bin.info();
+  if (bin === null) return 1;
+  const { w, h } = check.info('pkc_bin_info', (info) => raw.pkc_bin_get_info(bin, info));
   return w * h + 1;
 }
 
@@ -100,15 +112,16 @@ function unzip(pairs) {
     if (!Array.isArray(pair) || pair.length !== 3) {
       throw check.wrong(`pairs[${i}]`, '[bin, w, h]');
     }
-    return pair;
+    const [bin, w, h] = pair;
+    return { bin, w: integer(w, `pairs[${i}][1]`), h: integer(h, `pairs[${i}][2]`) };
   });
   // Never empty, as koffi makes NULL of an empty array.
   const sizes = new Int32Array(2 * all.length + 1);
-  all.forEach(([, w, h], i) => {
-    sizes[2 * i] = integer(w, `pairs[${i}][1]`);
-    sizes[2 * i + 1] = integer(h, `pairs[${i}][2]`);
+  all.forEach(({ w, h }, i) => {
+    sizes[2 * i] = w;
+    sizes[2 * i + 1] = h;
   });
-  return { bins: all.map(([bin], i) => Bin.pointer(bin, `pairs[${i}][0]`)), sizes };
+  return { bins: all.map(({ bin }, i) => Bin.pointer(bin, `pairs[${i}][0]`)), sizes };
 }
 
 module.exports = { Policy };

@@ -16,6 +16,9 @@ class Scenario {
       all = check.options('pkc_scenario');
       ok(raw.pkc_scenario_parse(check.string(fields, 'name'), all));
     } else {
+      if (fields === null || typeof fields !== 'object') {
+        throw check.wrong('scenario', 'a name or an object');
+      }
       all = check.options('pkc_scenario', { ...fields }, 'scenario');
     }
     Object.assign(this, check.tidy(all));
@@ -39,7 +42,7 @@ class Scenario {
 class Queue extends Handle {
   constructor(scenario) {
     const struct = Scenario.raw(scenario);
-    super(raw.pkc_queue_free, (out) => raw.pkc_queue_create(struct, out));
+    super(Queue, raw.pkc_queue_free, (out) => raw.pkc_queue_create(struct, out));
   }
 
   clone() {
@@ -48,7 +51,8 @@ class Queue extends Handle {
   }
 
   push(item) {
-    ok(raw.pkc_queue_push(Queue.pointer(this, 'queue'), check.item(item)));
+    const given = check.item(item);
+    ok(raw.pkc_queue_push(Queue.pointer(this, 'queue'), given));
   }
 
   remove(id) {
@@ -61,8 +65,8 @@ class Queue extends Handle {
   }
 
   putInBuffer(item, arm) {
-    const queue = Queue.pointer(this, 'queue');
-    ok(raw.pkc_queue_put_in_buffer(queue, check.item(item), integer(arm, 'arm')));
+    const args = [check.item(item), integer(arm, 'arm')];
+    ok(raw.pkc_queue_put_in_buffer(Queue.pointer(this, 'queue'), ...args));
   }
 
   setAlphaLeft(alphaLeft) {

@@ -13,8 +13,10 @@ const { ok, integer, number } = check;
 class Schedule extends Handle {
   // `mode` is PKC_MODE_*.
   constructor(cell, scenario, mode = raw.PKC_MODE_COORDINATED) {
-    const args = [Cell.pointer(cell, 'cell'), Scenario.raw(scenario), integer(mode, 'mode')];
-    super(raw.pkc_schedule_free, (out) => raw.pkc_schedule_create(...args, out));
+    const args = [Scenario.raw(scenario), integer(mode, 'mode')];
+    const handle = Cell.pointer(cell, 'cell');
+    super(Schedule, raw.pkc_schedule_free,
+      (out) => raw.pkc_schedule_create(handle, ...args, out));
   }
 
   // `bin` and `queue` are those before the step.
@@ -42,8 +44,8 @@ class Schedule extends Handle {
   }
 
   simulate(options) {
-    const schedule = Schedule.pointer(this, 'schedule');
     const all = check.options('pkc_simulation_options', options, 'options');
+    const schedule = Schedule.pointer(this, 'schedule');
     return adopt(Simulation, raw.pkc_simulation_free,
       (out) => raw.pkc_simulate(schedule, all, out));
   }

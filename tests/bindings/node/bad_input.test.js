@@ -117,6 +117,9 @@ test('values of another type or size', () => {
   assert.throws(() => new packcell.Generator().next(2 ** 31 - 1), RangeError);
   assert.throws(() => new packcell.Generator().next(-1), RangeError);
   assert.throws(() => planner.step(2n ** 64n), RangeError);
+  assert.throws(() => planner.step(2 ** 60),
+    { name: 'RangeError', message: 'nodes 1152921504606847000: must be a BigInt, to be exact' });
+  for (const value of [5, null, true]) assert.throws(() => new packcell.Scenario(value), TypeError);
   assert.throws(() => new packcell.Policy('contact').selectBatch([[bin, 1]]), TypeError);
   assert.throws(() => packcell.exactPack(bin, [], { rotation: 1 }), TypeError);
   refused(() => new packcell.Policy('contact').selectBatch([]), 'PKC_E_ARGUMENT', /count 0/);
@@ -150,6 +153,33 @@ test('a handle that is sent to a worker is no handle there', async () => {
   });
   assert.equal(said, 'TypeError bin: must be a Bin');
   await worker.terminate();
+});
+
+test('a handle that two threads use is refused by the library', async () => {
+  const raw = require(`${process.env.PACKCELL_NODE}/raw.js`);
+  const planner = new packcell.Planner();
+  const queue = new packcell.Queue('D-R40A10O2');
+  for (let id = 0; id < 40; ++id) queue.push({ id, w: 3 + (id % 7), h: 2 + (id % 5) });
+  const pointer = packcell.Planner.pointer(planner, 'planner');
+  // Either thread may be the one that is refused.
+  let other = null;
+  const plan = planner.planAsync(new packcell.Bin(60, 60), queue, { nodes: 0, milliseconds: 20000 })
+    .then(() => { other = raw.PKC_OK; }, (e) => { other = e.status; });
+  let own = raw.PKC_OK;
+  while (own === raw.PKC_OK && other === null) {
+    await new Promise((resolve) => { setTimeout(resolve, 1); });
+    own = raw.pkc_planner_step(pointer, 1, [0]);
+  }
+  if (own === raw.PKC_E_BUSY) assert.match(raw.pkc_last_error(), /in use by another thread/);
+  else assert.equal(other, raw.PKC_E_BUSY);
+  planner.cancel();
+  await plan;
+});
+
+test('a handle that is disposed of is closed', { skip: !Symbol.dispose }, () => {
+  const bin = new packcell.Bin(4, 4);
+  bin[Symbol.dispose]();
+  assert.ok(bin.closed);
 });
 
 test('handles that nobody closes are freed', async () => {

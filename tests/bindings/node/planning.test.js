@@ -134,6 +134,16 @@ test('a plan on another thread keeps the planner, and can be cancelled', async (
   assert.ok(planner.closed);
 });
 
+test('a plan on another thread can be cancelled before it has begun there', async () => {
+  const planner = new packcell.Planner();
+  const queue = queueOf('D-R40A10O2', Array(40).fill([7, 5]));
+  const promise = planner.planAsync(new packcell.Bin(60, 60), queue, { nodes: 0 });
+  planner.cancel();
+  const plan = await promise;
+  assert.equal(plan.info.cancelled, 1);
+  assert.ok(plan.actions.length > 0);
+});
+
 test('the exact packer decides', () => {
   const bin = new packcell.Bin(4, 4);
   const items = [{ id: 0, w: 2, h: 4 }, { id: 1, w: 4, h: 2 }];
@@ -152,4 +162,26 @@ test('generators give equal items for equal options', () => {
   assert.deepEqual(new packcell.Generator(options).next(20), items);
   const sets = new packcell.Generator({ preset: 'text', kind: packcell.PKC_GENERATE_FULL });
   assert.equal(sets.next(100).reduce((sum, { w, h }) => sum + w * h, 0), 100);
+});
+
+test('a grid goes from millimetres to cells and back', () => {
+  const grid = new packcell.Grid(); // the paper's: 320 x 260, margin 10, cell 30, clearance 0
+  assert.deepEqual(grid.bin(), { w: 10, h: 8 });
+  assert.deepEqual(grid.item(31, 90), { w: 2, h: 3 });
+  assert.deepEqual(grid.centre(0, 0, 1, 1), { x: 25, y: 25 });
+  assert.deepEqual(new packcell.Grid({ cell: 10, clearance: 5 }).item(30, 25), { w: 4, h: 3 });
+  assert.throws(() => new packcell.Grid({ cell: 0 }), { code: 'PKC_E_ARGUMENT', message: /cell/ });
+  assert.throws(() => new packcell.Grid({ cel: 1 }), { name: 'TypeError', message: /grid\.cel/ });
+  assert.throws(() => grid.item(NaN, 1), { code: 'PKC_E_ARGUMENT' });
+  assert.throws(() => grid.item('1', 1), TypeError);
+});
+
+test('a policy is measured on a held-out stream', () => {
+  const policy = new packcell.Policy('contact');
+  const options = { rotation: packcell.PKC_ROTATION_ON };
+  const first = policy.measure(options, { seed: 3n, bins: 200 });
+  assert.ok(first.mean > 0.8 && first.mean < 0.95 && first.half_width < 0.05, String(first.mean));
+  assert.deepEqual(policy.measure(options, { seed: 3n, bins: 200 }), first);
+  assert.throws(() => policy.measure({}, { bins: 0 }), { code: 'PKC_E_ARGUMENT', message: /bins/ });
+  assert.throws(() => policy.measure({ seeds: 1 }), TypeError);
 });

@@ -28,3 +28,20 @@ test('every method has a type, and every type a method', () => {
     assert.deepEqual([...new Set(said)].sort(), [...new Set(real)].sort(), name);
   }
 });
+
+test('import gives the same names, and the same things, as require', async () => {
+  const imported = await import(path.join(process.env.PACKCELL_NODE, 'index.mjs'));
+  assert.equal(imported.default, packcell);
+  const { default: _, ...named } = imported;
+  assert.deepEqual({ ...named }, { ...packcell });
+});
+
+test('it may be loaded twice in a process, as test runners do', () => {
+  const here = fs.realpathSync(process.env.PACKCELL_NODE) + path.sep;
+  for (const file of Object.keys(require.cache)) {
+    if (file.startsWith(here) && !file.includes('node_modules')) delete require.cache[file];
+  }
+  const again = require(process.env.PACKCELL_NODE);
+  assert.notEqual(again.Bin, packcell.Bin);
+  assert.equal(new again.Bin(3, 4).info().w, 3);
+});

@@ -57,6 +57,34 @@ impl Status {
     }
 }
 
+impl Status {
+    /// The number that the header gives it.
+    pub fn code(self) -> i32 {
+        match self {
+            Status::Argument => sys::PKC_E_ARGUMENT,
+            Status::Struct => sys::PKC_E_STRUCT,
+            Status::Memory => sys::PKC_E_MEMORY,
+            Status::Busy => sys::PKC_E_BUSY,
+            Status::State => sys::PKC_E_STATE,
+            Status::Capacity => sys::PKC_E_CAPACITY,
+            Status::Limit => sys::PKC_E_LIMIT,
+            Status::Format => sys::PKC_E_FORMAT,
+            Status::Io => sys::PKC_E_IO,
+            Status::Unsupported => sys::PKC_E_UNSUPPORTED,
+            Status::Internal => sys::PKC_E_INTERNAL,
+            Status::Other(status) => status,
+        }
+    }
+}
+
+impl fmt::Display for Status {
+    /// `PKC_E_ARGUMENT` and the like.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // SAFETY: the name is static.
+        f.write_str(&unsafe { text(sys::pkc_status_name(self.code())) })
+    }
+}
+
 /// A failed call: its status, and the library's line about the value and what is allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
@@ -125,7 +153,10 @@ pub(crate) unsafe fn text(pointer: *const c_char) -> String {
     if pointer.is_null() {
         return String::new();
     }
-    CStr::from_ptr(pointer).to_string_lossy().into_owned()
+    // SAFETY: the caller's promise.
+    unsafe { CStr::from_ptr(pointer) }
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// A copy of the text in a fixed field, up to its zero.

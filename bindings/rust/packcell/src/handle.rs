@@ -27,6 +27,14 @@ macro_rules! handle {
                 Ok($name { raw })
             }
 
+            /// Takes over a handle that a call of [`crate::sys`] gave.
+            ///
+            /// # Safety
+            /// It is a handle of this type, and nobody else frees it or uses it from now on.
+            pub unsafe fn from_raw(raw: std::ptr::NonNull<packcell_sys::$raw>) -> Self {
+                $name { raw }
+            }
+
             /// The handle for a call of [`crate::sys`]; it stays this object's own.
             pub fn as_ptr(&self) -> *mut packcell_sys::$raw {
                 self.raw.as_ptr()

@@ -33,13 +33,15 @@
 //! # Ok(())
 //! # }
 //! ```
-#![warn(missing_docs)]
+#![warn(missing_docs, unsafe_op_in_unsafe_fn)]
+#![warn(clippy::undocumented_unsafe_blocks)]
 
 mod bin;
 mod cell;
 mod error;
 mod exact;
 mod generator;
+mod grid;
 mod handle;
 mod options;
 mod planner;
@@ -52,9 +54,10 @@ pub use cell::{Cell, LayoutOptions, Pose};
 pub use error::{Error, Result, Status};
 pub use exact::{bound_in_order, exact_pack, Bound, Packing};
 pub use generator::{Generator, GeneratorOptions, GENERATE_FULL, GENERATE_RANDOM};
+pub use grid::{Grid, Size};
 pub use options::Budget;
 pub use planner::{constants as plan, Canceller, Plan, Planner, PlannerOptions};
-pub use policy::{Batch, Evaluation, Policy};
+pub use policy::{Batch, Evaluation, Measurement, Policy, TrainerOptions};
 pub use queue::{Queue, Scenario};
 pub use schedule::{Mode, Schedule, Simulation, SimulationOptions, Trace};
 
@@ -87,6 +90,45 @@ pub mod op {
 /// Flags of an item.
 pub mod flags {
     pub use packcell_sys::{PKC_ITEM_NO_ROTATE as NO_ROTATE, PKC_ITEM_PINNED as PINNED};
+}
+
+/// What a policy is made of, in [`PolicyInfo`].
+pub mod architecture {
+    pub use packcell_sys::{
+        PKC_ARCH_ACTOR_CRITIC as ACTOR_CRITIC, PKC_ARCH_AFTERSTATE as AFTERSTATE,
+        PKC_ARCH_FULLY_CONVOLUTIONAL as FULLY_CONVOLUTIONAL, PKC_ARCH_HEURISTIC as HEURISTIC,
+    };
+}
+
+/// Whether items are turned, in [`TrainerOptions`].
+pub mod rotation {
+    pub use packcell_sys::{
+        PKC_ROTATION_MIXED as MIXED, PKC_ROTATION_OFF as OFF, PKC_ROTATION_ON as ON,
+    };
+}
+
+/// What an arm does, in [`ArmSample`].
+pub mod activity {
+    pub use packcell_sys::{
+        PKC_ACTIVITY_GRIP as GRIP, PKC_ACTIVITY_LIFT as LIFT, PKC_ACTIVITY_LOWER as LOWER,
+        PKC_ACTIVITY_RELEASE as RELEASE, PKC_ACTIVITY_TRAVEL as TRAVEL, PKC_ACTIVITY_WAIT as WAIT,
+    };
+}
+
+/// Why an arm waits, in [`ArmSample`] and, as an index, in [`ScheduleInfo`].
+pub mod wait {
+    pub use packcell_sys::{
+        PKC_WAIT_BELT as BELT, PKC_WAIT_BIN as BIN, PKC_WAIT_CELLS as CELLS, PKC_WAIT_DONE as DONE,
+        PKC_WAIT_OTHER_ARM as OTHER_ARM, PKC_WAIT_PLANNING as PLANNING, PKC_WAIT_SYNC as SYNC,
+    };
+}
+
+/// What became of an item, in [`Place`].
+pub mod outcome {
+    pub use packcell_sys::{
+        PKC_PLACE_ABSENT as ABSENT, PKC_PLACE_JAMMED as JAMMED, PKC_PLACE_MISPLACED as MISPLACED,
+        PKC_PLACE_OK as OK,
+    };
 }
 
 /// An item without flags.
@@ -138,10 +180,7 @@ pub fn load_snapshot(bytes: &[u8]) -> Result<(Bin, Queue)> {
     let bin = Bin::make(|bin| unsafe {
         sys::pkc_snapshot_load(bytes.as_ptr(), bytes.len(), bin, &mut queue)
     })?;
-    let queue = Queue::make(|out| {
-        // SAFETY: `out` is the place for one pointer.
-        unsafe { *out = queue };
-        sys::PKC_OK
-    })?;
-    Ok((bin, queue))
+    let queue = std::ptr::NonNull::new(queue).expect("packcell succeeds with a handle");
+    // SAFETY: the call has made it for us.
+    Ok((bin, unsafe { Queue::from_raw(queue) }))
 }

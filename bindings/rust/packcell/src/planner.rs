@@ -42,6 +42,7 @@ struct Handle(NonNull<sys::pkc_planner>);
 
 // SAFETY: shared, it serves for pkc_planner_cancel alone, which is for any thread.
 unsafe impl Send for Handle {}
+// SAFETY: as above.
 unsafe impl Sync for Handle {}
 
 impl Drop for Handle {
@@ -70,14 +71,13 @@ pub struct Planner {
     not_sync: PhantomData<Cell<()>>,
 }
 
-// SAFETY of the calls below: the handles live as long as their objects, and pointers are good for as
-// many elements as are said.
 impl Planner {
     /// All memory is taken here. Without a policy it is the default one. The planner keeps what it
     /// needs of the policy.
     pub fn new(options: &PlannerOptions, policy: Option<&Policy>) -> Result<Planner> {
         let policy = policy.map_or(ptr::null_mut(), Policy::as_ptr);
         let mut raw = ptr::null_mut();
+        // SAFETY: the struct is of the size that it says, and the policy lives or is NULL.
         check(unsafe { sys::pkc_planner_create(&options.raw(), policy, &mut raw) })?;
         let raw = NonNull::new(raw).expect("packcell succeeds with a handle");
         Ok(Planner {
@@ -98,6 +98,7 @@ impl Planner {
 
     /// The next step; always a legal one. Changes neither bin nor queue.
     pub fn plan(&mut self, bin: &Bin, queue: &Queue, budget: &Budget) -> Result<Plan> {
+        // SAFETY: the handles live.
         check(unsafe {
             sys::pkc_planner_plan(
                 self.as_ptr(),
@@ -112,6 +113,7 @@ impl Planner {
 
     /// The same work in slices: copies the state, then [`Planner::step`] plans.
     pub fn begin(&mut self, bin: &Bin, queue: &Queue, budget: &Budget) -> Result<()> {
+        // SAFETY: the handles live.
         check(unsafe {
             sys::pkc_planner_begin(self.as_ptr(), bin.as_ptr(), queue.as_ptr(), &budget.raw())
         })
@@ -120,6 +122,7 @@ impl Planner {
     /// Spends up to so many nodes, at least 1; true when nothing is left to do.
     pub fn step(&mut self, nodes: u64) -> Result<bool> {
         let mut done = 0;
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_planner_step(self.as_ptr(), nodes, &mut done) })?;
         Ok(done != 0)
     }
@@ -128,6 +131,7 @@ impl Planner {
     pub fn result(&mut self) -> Result<Plan> {
         let mut actions = vec![Action::default(); sys::PKC_MAX_ACTIONS as usize];
         let mut count = 0;
+        // SAFETY: the handle lives and the array has as many elements as are said.
         let info = filled(sys::pkc_plan_info_init, |info| unsafe {
             let to = actions.as_mut_ptr();
             sys::pkc_planner_result(self.as_ptr(), info, to, actions.len(), &mut count)

@@ -2,6 +2,7 @@
 
 use crate::error::{c_string, check, field_text, text};
 use crate::handle::{c_path, fill, filled, handle, zeros};
+use crate::options::options;
 use crate::{Bin, Error, PolicyInfo, Result};
 use packcell_sys as sys;
 use std::os::raw::c_void;
@@ -41,18 +42,34 @@ pub struct Batch {
     pub values: Vec<f32>,
 }
 
-// SAFETY of the calls below: the handles live as long as their objects, and pointers are good for as
-// many elements as are said.
+options! {
+    /// How a training goes, and what [`Policy::measure`] plays: bins, items and rotation. Trainings
+    /// themselves are for [`crate::sys`].
+    TrainerOptions, pkc_trainer_options, pkc_trainer_options_init
+}
+
+/// What [`Policy::measure`] finds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// Mean utilisation, 0..1.
+    pub mean: f64,
+    /// Half the width of its 95 % interval.
+    pub half_width: f64,
+}
+
 impl Policy {
     /// By name: "default", "contact", ...; see [`Policy::builtins`].
     pub fn new(name: &str) -> Result<Policy> {
         let name = c_string("name", name.as_bytes())?;
+        // SAFETY: the text ends with a zero.
         Policy::make(|out| unsafe { sys::pkc_policy_create(name.as_ptr(), out) })
     }
 
     /// Names that [`Policy::new`] knows.
     pub fn builtins() -> Vec<String> {
+        // SAFETY: any index may be asked for.
         let names = (0..).map(|i| unsafe { sys::pkc_policy_builtin(i) });
+        // SAFETY: names are static, and end with a zero.
         names
             .take_while(|n| !n.is_null())
             .map(|n| unsafe { text(n) })
@@ -62,17 +79,20 @@ impl Policy {
     /// A learned policy from a weight blob.
     pub fn load(bytes: &[u8]) -> Result<Policy> {
         let data = bytes.as_ptr().cast::<c_void>();
+        // SAFETY: the array has as many elements as are said.
         Policy::make(|out| unsafe { sys::pkc_policy_load(data, bytes.len(), out) })
     }
 
     /// The same from a file.
     pub fn load_file(path: impl AsRef<Path>) -> Result<Policy> {
         let path = c_path(path.as_ref())?;
+        // SAFETY: the text ends with a zero.
         Policy::make(|out| unsafe { sys::pkc_policy_load_file(path.as_ptr(), out) })
     }
 
     /// The weight blob; [`crate::Status::Unsupported`] for a heuristic.
     pub fn save(&self) -> Result<Vec<u8>> {
+        // SAFETY: the handle lives and `fill` gives room for the capacity.
         fill(|to: *mut u8, capacity, size| unsafe {
             sys::pkc_policy_save(self.as_ptr(), to.cast::<c_void>(), capacity, size)
         })
@@ -81,16 +101,19 @@ impl Policy {
     /// The same into a file, all or nothing.
     pub fn save_file(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = c_path(path.as_ref())?;
+        // SAFETY: the handle lives and the text ends with a zero.
         check(unsafe { sys::pkc_policy_save_file(self.as_ptr(), path.as_ptr()) })
     }
 
     /// Its name.
     pub fn name(&self) -> String {
+        // SAFETY: the handle lives.
         unsafe { text(sys::pkc_policy_name(self.as_ptr())) }
     }
 
     /// Where it comes from.
     pub fn info(&self) -> Result<PolicyInfo> {
+        // SAFETY: the handle lives.
         filled(sys::pkc_policy_info_init, |info| unsafe {
             sys::pkc_policy_get_info(self.as_ptr(), info)
         })
@@ -104,6 +127,7 @@ impl Policy {
     /// The position x + y*W of an item that covers `w` x `h` cells; W*H is "no position".
     pub fn select(&self, bin: &Bin, w: i32, h: i32) -> Result<i32> {
         let mut position = 0;
+        // SAFETY: the handles live.
         check(unsafe { sys::pkc_policy_select(self.as_ptr(), bin.as_ptr(), w, h, &mut position) })?;
         Ok(position)
     }
@@ -117,6 +141,7 @@ impl Policy {
             value: 0.0,
         };
         let mut count = 0;
+        // SAFETY: the handles live, and both arrays have so many positions.
         check(unsafe {
             sys::pkc_policy_evaluate(
                 self.as_ptr(),
@@ -137,12 +162,15 @@ impl Policy {
     /// one by one.
     pub fn select_batch(&self, pairs: &[(&Bin, i32, i32)]) -> Result<Vec<i32>> {
         let mut positions = vec![0; pairs.len()];
-        self.batch(
-            pairs,
-            positions.as_mut_ptr(),
-            ptr::null_mut(),
-            ptr::null_mut(),
-        )?;
+        // SAFETY: there is one position a pair.
+        unsafe {
+            self.batch(
+                pairs,
+                positions.as_mut_ptr(),
+                ptr::null_mut(),
+                ptr::null_mut(),
+            )
+        }?;
         Ok(positions)
     }
 
@@ -164,18 +192,41 @@ impl Policy {
             probabilities: zeros(count * each)?,
             values: zeros(count)?,
         };
-        self.batch(
-            pairs,
-            out.positions.as_mut_ptr(),
-            out.probabilities.as_mut_ptr(),
-            out.values.as_mut_ptr(),
-        )?;
+        // SAFETY: the sizes are those of the header; all bins must have the sides of the first,
+        // which the library checks before it stores anything.
+        unsafe {
+            self.batch(
+                pairs,
+                out.positions.as_mut_ptr(),
+                out.probabilities.as_mut_ptr(),
+                out.values.as_mut_ptr(),
+            )
+        }?;
         Ok(out)
     }
 
-    /// The outputs are NULL or have room for what the header says; all bins must have the sides of the
-    /// first, which the library checks before it stores anything.
-    fn batch(
+    /// Packs so many bins, 1..2^32, of a held-out stream; bins, items and rotation are those of the
+    /// options.
+    pub fn measure(&self, options: &TrainerOptions, seed: u64, bins: u64) -> Result<Measurement> {
+        let (mut mean, mut half_width) = (0.0, 0.0);
+        // SAFETY: the handle lives.
+        check(unsafe {
+            sys::pkc_policy_measure(
+                self.as_ptr(),
+                &options.raw(),
+                seed,
+                bins,
+                &mut mean,
+                &mut half_width,
+            )
+        })?;
+        Ok(Measurement { mean, half_width })
+    }
+
+    /// # Safety
+    /// The outputs are NULL, or have room for one position a pair, W*H + 1 probabilities a pair and
+    /// one value a pair; W and H are those of the first bin.
+    unsafe fn batch(
         &self,
         pairs: &[(&Bin, i32, i32)],
         positions: *mut i32,
@@ -185,6 +236,8 @@ impl Policy {
         let bins: Vec<*const sys::pkc_bin> =
             pairs.iter().map(|p| p.0.as_ptr() as *const _).collect();
         let sizes: Vec<i32> = pairs.iter().flat_map(|p| [p.1, p.2]).collect();
+        // SAFETY: the handles live, and the inputs are as long as is said; the outputs are the
+        // caller's promise.
         check(unsafe {
             sys::pkc_policy_evaluate_batch(
                 self.as_ptr(),

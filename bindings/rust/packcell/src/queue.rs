@@ -44,53 +44,60 @@ handle! {
     Queue, pkc_queue, pkc_queue_free
 }
 
-// SAFETY of the calls below: the handle lives as long as its object, and pointers are good for as
-// many elements as are said.
 impl Queue {
     /// An empty conveyor.
     pub fn new(scenario: &Scenario) -> Result<Queue> {
+        // SAFETY: the struct is of the size that it says.
         Queue::make(|out| unsafe { sys::pkc_queue_create(&scenario.raw(), out) })
     }
 
     /// A queue of its own with the same contents.
     pub fn try_clone(&self) -> Result<Queue> {
+        // SAFETY: the handle lives.
         Queue::make(|out| unsafe { sys::pkc_queue_clone(self.as_ptr(), out) })
     }
 
     /// An item arrives at the conveyor's end.
     pub fn push(&mut self, item: &Item) -> Result<()> {
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_queue_push(self.as_ptr(), item) })
     }
 
     /// An item leaves without being packed.
     pub fn remove(&mut self, id: i32) -> Result<()> {
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_queue_remove(self.as_ptr(), id) })
     }
 
     /// Several items leave at once, all or none.
     pub fn remove_items(&mut self, ids: &[i32]) -> Result<()> {
+        // SAFETY: the handle lives and the array has as many elements as are said.
         check(unsafe { sys::pkc_queue_remove_items(self.as_ptr(), ids.as_ptr(), ids.len()) })
     }
 
     /// An item is put into an arm's buffer from without.
     pub fn put_in_buffer(&mut self, item: &Item, arm: i32) -> Result<()> {
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_queue_put_in_buffer(self.as_ptr(), item, arm) })
     }
 
     /// Arranges the regions anew, as if so many items had stayed in arm 0's.
     pub fn set_alpha_left(&mut self, alpha_left: i32) -> Result<()> {
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_queue_set_alpha_left(self.as_ptr(), alpha_left) })
     }
 
     /// What the queue was made for.
     pub fn scenario(&self) -> Result<Scenario> {
         let mut scenario = Scenario::default();
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_queue_get_scenario(self.as_ptr(), &mut *scenario) })?;
         Ok(scenario)
     }
 
     /// Counts of items and regions.
     pub fn info(&self) -> Result<QueueInfo> {
+        // SAFETY: the handle lives.
         filled(sys::pkc_queue_info_init, |info| unsafe {
             sys::pkc_queue_get_info(self.as_ptr(), info)
         })
@@ -98,6 +105,7 @@ impl Queue {
 
     /// The conveyor's items in arrival order.
     pub fn belt(&self) -> Result<Vec<Queued>> {
+        // SAFETY: the handle lives and `fill` gives room for the capacity.
         fill(|to, capacity, count| unsafe {
             sys::pkc_queue_belt(self.as_ptr(), to, capacity, count)
         })
@@ -105,6 +113,7 @@ impl Queue {
 
     /// The buffered items in the order they were unpacked.
     pub fn buffer(&self) -> Result<Vec<Queued>> {
+        // SAFETY: the handle lives and `fill` gives room for the capacity.
         fill(|to, capacity, count| unsafe {
             sys::pkc_queue_buffer(self.as_ptr(), to, capacity, count)
         })

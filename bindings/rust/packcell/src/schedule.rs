@@ -12,6 +12,7 @@ use std::ptr;
 
 /// How two arms are coordinated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Mode {
     /// The paper's: atomic actions in common slots, one step a time.
     SyncPaper = sys::PKC_MODE_SYNC_PAPER as isize,
@@ -23,6 +24,7 @@ pub enum Mode {
 
 /// What [`Schedule::write_trace`] writes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Trace {
     /// Chrome trace events (JSON).
     Chrome,
@@ -41,11 +43,10 @@ handle! {
     Schedule, pkc_schedule, pkc_schedule_free
 }
 
-// SAFETY of the calls below: the handles live as long as their objects, and pointers are good for as
-// many elements as are said.
 impl Schedule {
     /// An empty schedule; it keeps what it needs of the cell.
     pub fn new(cell: &Cell, scenario: &Scenario, mode: Mode) -> Result<Schedule> {
+        // SAFETY: the handle lives.
         Schedule::make(|out| unsafe {
             sys::pkc_schedule_create(cell.as_ptr(), &scenario.raw(), mode as i32, out)
         })
@@ -53,6 +54,7 @@ impl Schedule {
 
     /// Adds the work of a step that was planned for bin and queue: those before the step.
     pub fn add_step(&mut self, bin: &Bin, queue: &Queue, actions: &[Action]) -> Result<()> {
+        // SAFETY: the handles live and the array has as many elements as are said.
         check(unsafe {
             sys::pkc_schedule_add_step(
                 self.as_ptr(),
@@ -66,11 +68,13 @@ impl Schedule {
 
     /// The item let go over the bin at `time` did not fit: its arm takes it to its buffer.
     pub fn put_aside(&mut self, item: i32, time: f64) -> Result<()> {
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_schedule_put_aside(self.as_ptr(), item, time) })
     }
 
     /// Makespan, waits and hash.
     pub fn info(&self) -> Result<ScheduleInfo> {
+        // SAFETY: the handle lives.
         filled(sys::pkc_schedule_info_init, |info| unsafe {
             sys::pkc_schedule_get_info(self.as_ptr(), info)
         })
@@ -79,12 +83,14 @@ impl Schedule {
     /// An arm at a time, 0..makespan.
     pub fn sample(&self, arm: i32, time: f64) -> Result<ArmSample> {
         let mut sample = ArmSample::default();
+        // SAFETY: the handle lives.
         check(unsafe { sys::pkc_schedule_sample(self.as_ptr(), arm, time, &mut sample) })?;
         Ok(sample)
     }
 
     /// Runs what the schedule has so far.
     pub fn simulate(&self, options: &SimulationOptions) -> Result<Simulation> {
+        // SAFETY: the handle lives.
         Simulation::make(|out| unsafe { sys::pkc_simulate(self.as_ptr(), &options.raw(), out) })
     }
 
@@ -109,6 +115,7 @@ impl Schedule {
         };
         let path = c_path(path.as_ref())?;
         let simulation = simulation.map_or(ptr::null_mut(), Simulation::as_ptr);
+        // SAFETY: the handle lives and the text ends with a zero.
         check(unsafe {
             sys::pkc_trace_write_file(self.as_ptr(), simulation, kind, period, path.as_ptr())
         })
@@ -125,10 +132,10 @@ handle! {
     Simulation, pkc_simulation, pkc_simulation_free
 }
 
-// SAFETY of the calls below: as above.
 impl Simulation {
     /// Counts, worst errors and hash.
     pub fn info(&self) -> Result<SimulationInfo> {
+        // SAFETY: the handle lives.
         filled(sys::pkc_simulation_info_init, |info| unsafe {
             sys::pkc_simulation_get_info(self.as_ptr(), info)
         })
@@ -136,6 +143,7 @@ impl Simulation {
 
     /// What became of each item, in the order of their times.
     pub fn places(&self) -> Result<Vec<Place>> {
+        // SAFETY: the handle lives and `fill` gives room for the capacity.
         fill(|to, capacity, count| unsafe {
             sys::pkc_simulation_places(self.as_ptr(), to, capacity, count)
         })

@@ -205,3 +205,64 @@ fn generators_give_equal_items_for_equal_options() {
     let set = Generator::new(&options).unwrap().items(100).unwrap();
     assert_eq!(set.iter().map(|i| i.w * i.h).sum::<i32>(), 100);
 }
+
+#[test]
+fn a_grid_goes_from_millimetres_to_cells_and_back() {
+    let mut grid = Grid::default(); // the paper's: 320 x 260, margin 10, cell 30, clearance 0
+    assert_eq!(grid.bin().unwrap(), Size { w: 10, h: 8 });
+    assert_eq!(grid.item(31.0, 90.0).unwrap(), Size { w: 2, h: 3 });
+    assert_eq!(grid.centre(0, 0, 1, 1).unwrap(), (25.0, 25.0));
+    grid.clearance = 5.0;
+    assert_eq!(grid.item(30.0, 25.0).unwrap(), Size { w: 2, h: 1 });
+    grid.cell = f64::NAN;
+    assert_eq!(grid.bin().unwrap_err().status(), Status::Argument);
+}
+
+#[test]
+fn a_policy_is_measured_on_a_held_out_stream() {
+    let policy = Policy::new("contact").unwrap();
+    assert_eq!(policy.info().unwrap().architecture, architecture::HEURISTIC);
+    let mut options = TrainerOptions::default();
+    options.rotation = rotation::ON;
+    let first = policy.measure(&options, 3, 200).unwrap();
+    assert!(
+        first.mean > 0.8 && first.mean < 0.95 && first.half_width < 0.05,
+        "{first:?}"
+    );
+    assert_eq!(policy.measure(&options, 3, 200).unwrap(), first);
+    let refused = policy.measure(&options, 3, 0).unwrap_err();
+    assert_eq!(refused.status(), Status::Argument);
+}
+
+#[test]
+fn a_status_has_the_name_and_the_number_of_the_header() {
+    assert_eq!(Status::Argument.to_string(), "PKC_E_ARGUMENT");
+    assert_eq!(Status::Busy.code(), sys::PKC_E_BUSY);
+    assert_eq!(Status::Other(7).to_string(), "unknown status");
+    let error = Bin::new(0, 1).unwrap_err();
+    assert_eq!(Error::from_status(error.status().code()), error);
+}
+
+#[test]
+fn a_raw_handle_can_be_taken_over() {
+    let mut raw = std::ptr::null_mut();
+    // SAFETY: `raw` is a place for the handle.
+    assert_eq!(unsafe { sys::pkc_bin_create(3, 2, &mut raw) }, sys::PKC_OK);
+    // SAFETY: nobody else has it.
+    let bin = unsafe { Bin::from_raw(std::ptr::NonNull::new(raw).unwrap()) };
+    assert_eq!(bin.info().unwrap().h, 2);
+}
+
+#[test]
+fn things_may_be_dropped_in_any_order_or_never() {
+    let policy = Policy::new("contact").unwrap();
+    let mut planner = Planner::new(&PlannerOptions::default(), Some(&policy)).unwrap();
+    drop(policy);
+    let (bin, queue) = (bin(), queue("S-R1A1", &[(2, 2)]));
+    planner.plan(&bin, &queue, &Budget::nodes(100)).unwrap();
+    let canceller = planner.canceller();
+    drop(planner);
+    canceller.cancel().unwrap();
+    std::mem::forget(canceller);
+    std::mem::forget(bin);
+}
