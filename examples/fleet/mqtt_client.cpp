@@ -227,8 +227,7 @@ std::string MqttClient::broker() const {
     return "broker " + options_.host + ":" + std::to_string(options_.port);
 }
 
-// ---- Connection
-// ------------------------------------------------------------------------------------
+// ---- Connection --------------------------------------------------------------------------------
 
 void MqttClient::start() {
     if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
@@ -344,8 +343,7 @@ bool MqttClient::wait_ready(milliseconds limit) {
     return changed_.wait_for(lock, limit, [this] { return state_ == MqttState::kReady; });
 }
 
-// ---- Subscriptions
-// ---------------------------------------------------------------------------------
+// ---- Subscriptions -----------------------------------------------------------------------------
 
 void MqttClient::subscribe(const std::string &filter, int qos, OnMessage handler) {
     need(mosquitto_sub_topic_check(filter.c_str()), "subscription '" + one_line(filter) + "'");
@@ -435,8 +433,7 @@ void MqttClient::received(const MqttMessage &message) {
     }
 }
 
-// ---- Publishing
-// ------------------------------------------------------------------------------------
+// ---- Publishing --------------------------------------------------------------------------------
 
 std::optional<int> MqttClient::publish(const MqttMessage &message) {
     const std::string where = "topic '" + one_line(message.topic) + "'";

@@ -27,8 +27,7 @@ constexpr uint64_t kLeastMemory = 65536;
 const std::vector<std::string> kRepacks{"off", "anytime", "full"};  // by PKC_REPACK_*
 const std::vector<std::string> kMethods{"paper", "exact"};          // by PKC_METHOD_* - 1
 
-// ---- Writing
-// ---------------------------------------------------------------------------------------
+// ---- Writing -----------------------------------------------------------------------------------
 
 Json item_json(const pkc_item &item) { return Json{{"id", item.id}, {"w", item.w}, {"h", item.h}}; }
 
@@ -133,8 +132,7 @@ void add_settings(Json &json, const PlanSettings &settings) {
     add_unless_default("memory", planner.memory, defaults.memory);
 }
 
-// ---- Reading
-// ---------------------------------------------------------------------------------------
+// ---- Reading -----------------------------------------------------------------------------------
 
 // The library says which rule was broken, the path where.
 void check_at(const std::string &path, pkc_status status) {

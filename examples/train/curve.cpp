@@ -83,8 +83,7 @@ void replace_file(const std::string &path, const std::string &text) {
     }
 }
 
-// ---- Drawing
-// -------------------------------------------------------------------------------------
+// ---- Drawing -----------------------------------------------------------------------------------
 
 constexpr double kPanelW = 420;
 constexpr double kPanelH = 250;

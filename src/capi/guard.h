@@ -39,8 +39,7 @@ void require_flag(const char *name, int32_t value);
 // number is all that is stored.
 void require_capacity(size_t count, size_t capacity, size_t *out_count);
 
-// ---- Structs that begin with struct_size
-// -----------------------------------------------------------
+// ---- Structs that begin with struct_size -------------------------------------------------------
 
 // Size of the struct's first published layout: what a caller must at least bring.
 template <class T>
@@ -90,8 +89,7 @@ void init_struct(const char *name, T *to, size_t size, T defaults) {
     std::memcpy(to, &defaults, size < sizeof(T) ? size : sizeof(T));
 }
 
-// ---- Handles
-// ---------------------------------------------------------------------------------------
+// ---- Handles -----------------------------------------------------------------------------------
 
 // Holds a handle for the length of one call.
 template <class Handle>

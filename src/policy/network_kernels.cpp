@@ -29,8 +29,7 @@ struct Vector<1> {
     using Type = float;
 };
 
-// ---- Products
-// -------------------------------------------------------------------------------------
+// ---- Products ----------------------------------------------------------------------------------
 
 // Inputs taken together: their rows of the weights stay in the first cache while all samples are
 // gone through.
@@ -106,8 +105,7 @@ PACKCELL_INLINE void add_all_products(const float *weight, int inputs, int outpu
     }
 }
 
-// ---- The convolution of cells two apart
-// -------------------------------------------------------------
+// ---- The convolution of cells two apart --------------------------------------------------------
 
 // So many neighbours in a row share each weight that is read.
 constexpr int kCells = 5;
@@ -184,8 +182,7 @@ PACKCELL_INLINE void convolve_all(const WideConvolution &c, const float *in, flo
     for (; from < c.channels; ++from) convolve_channels<1, 1>(c, from, in, out);
 }
 
-// ---- One set for each width
-// -------------------------------------------------------------------------
+// ---- One set for each width --------------------------------------------------------------------
 
 void add_products_usual(const float *weight, int inputs, int outputs, const float *in, float *out,
                         int samples) {

@@ -231,8 +231,7 @@ Json bin_before(const TraceInput &input) {
     return list;
 }
 
-// ---- Simulated poses
-// ------------------------------------------------------------------------------
+// ---- Simulated poses ---------------------------------------------------------------------------
 
 struct Key {
     double t, x, y, yaw;

@@ -92,8 +92,7 @@ static char *saved(const pkc_cell *cell, size_t *size) {
     return text;
 }
 
-/* ---- Descriptions -----------------------------------------------------------------------------
- */
+/* ---- Descriptions --------------------------------------------------------------------------- */
 
 static void presets_are_listed_and_made(void **state) {
     size_t i;
@@ -314,8 +313,7 @@ static void a_layout_is_never_worse_and_always_the_same(void **state) {
     pkc_cell_free(cell);
 }
 
-/* ---- Kinematics -------------------------------------------------------------------------------
- */
+/* ---- Kinematics ----------------------------------------------------------------------------- */
 
 static void inverse_and_forward_agree(void **state) {
     size_t p;
@@ -380,8 +378,7 @@ static void kinematics_arguments_are_checked(void **state) {
     pkc_cell_free(cell);
 }
 
-/* ---- Schedules --------------------------------------------------------------------------------
- */
+/* ---- Schedules ------------------------------------------------------------------------------ */
 
 static void allocation_arguments_are_checked(void **state) {
     scene s = make_scene("ur5e", "D-R5A3O1", PKC_MODE_SYNC_PAPER);
@@ -621,8 +618,7 @@ static void a_full_buffer_is_told(void **state) {
     free_scene(&s);
 }
 
-/* ---- Simulation -------------------------------------------------------------------------------
- */
+/* ---- Simulation ----------------------------------------------------------------------------- */
 
 static pkc_simulation_info simulated(const pkc_schedule *schedule,
                                      const pkc_simulation_options *options) {
@@ -765,8 +761,7 @@ static void without_noise_items_lie_where_they_should(void **state) {
     free_scene(&s);
 }
 
-/* ---- Traces -----------------------------------------------------------------------------------
- */
+/* ---- Traces --------------------------------------------------------------------------------- */
 
 static void traces_are_written_whole_or_not_at_all(void **state) {
     scene s = make_scene("ur5e", "D-R5A3O1", PKC_MODE_COORDINATED);
@@ -833,8 +828,7 @@ static void one_arm_has_no_second_lane(void **state) {
     free_scene(&s);
 }
 
-/* ---- Allocations that fail --------------------------------------------------------------------
- */
+/* ---- Allocations that fail ------------------------------------------------------------------ */
 
 /* Not of pkc_cell_load and pkc_cell_save: the JSON library's destructor allocates, and ends the
  * process where it gets nothing. */

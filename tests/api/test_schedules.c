@@ -267,8 +267,7 @@ static void two_pipers_pack_the_paper_s_physical_bin(void **state) {
     judge_sets("piper", "D-R5A3O1", PKC_REPACK_FULL);
 }
 
-/* ---- The judge itself --------------------------------------------------------------------------
- */
+/* ---- The judge itself ----------------------------------------------------------------------- */
 
 static double makespan_now;
 

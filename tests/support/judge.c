@@ -17,8 +17,7 @@
 #define MAX_EVENTS 8192
 #define SAME_PLACE 1e-6 /* metres */
 
-/* ---- Arms, from the makers' documents ---------------------------------------------------------
- */
+/* ---- Arms, from the makers' documents ------------------------------------------------------- */
 
 typedef struct limit {
     double least, most, velocity, acceleration;
@@ -94,8 +93,7 @@ const char *judge_fault_name(int fault) {
     return names[fault];
 }
 
-/* ---- The cell's description -------------------------------------------------------------------
- */
+/* ---- The cell's description ----------------------------------------------------------------- */
 
 /* What follows "name": from `at` on. */
 static const char *value_of(const char *at, const char *name) {
@@ -188,8 +186,7 @@ void judge_read_cell(judge_cell *cell, const pkc_cell *from) {
     free(text);
 }
 
-/* ---- Kinematics -------------------------------------------------------------------------------
- */
+/* ---- Kinematics ----------------------------------------------------------------------------- */
 
 typedef struct frame {
     double x[3], y[3], z[3], o[3]; /* axes and origin */
@@ -231,8 +228,7 @@ static frame tool_frame(const arm_data *arm, const double base[4], const double 
     return f;
 }
 
-/* ---- Footprints -------------------------------------------------------------------------------
- */
+/* ---- Footprints ----------------------------------------------------------------------------- */
 
 typedef double point[2];
 
@@ -327,8 +323,7 @@ static shape chain_of(const shape *footprint, double joints[6][2]) {
     return f;
 }
 
-/* ---- What the steps ask for -------------------------------------------------------------------
- */
+/* ---- What the steps ask for ----------------------------------------------------------------- */
 
 typedef enum spot { ON_BELT, IN_BIN, IN_BUFFER } spot;
 
@@ -467,8 +462,7 @@ static void ask_all(judge *j) {
     }
 }
 
-/* ---- Bookkeeping of what was seen -------------------------------------------------------------
- */
+/* ---- Bookkeeping of what was seen ----------------------------------------------------------- */
 
 static const char *spot_name(spot s) {
     static const char *const names[] = {"the belt", "the bin", "the buffer"};
@@ -611,8 +605,7 @@ static void replay(judge *j) {
     }
 }
 
-/* ---- One arm from millisecond to millisecond --------------------------------------------------
- */
+/* ---- One arm from millisecond to millisecond ------------------------------------------------ */
 
 typedef struct watch {
     pkc_arm_sample last;

@@ -70,8 +70,7 @@ inline bool fits(int w, int h, Mask taken, const std::vector<Item> &items, bool 
     return fits_from(all, 0, 0, taken);
 }
 
-// ---- Random cases
-// --------------------------------------------------------------------------------
+// ---- Random cases ------------------------------------------------------------------------------
 
 inline int draw(Random &random, int least, int most) {
     return least + static_cast<int>(random.below(static_cast<uint64_t>(most - least + 1)));

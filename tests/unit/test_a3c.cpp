@@ -26,8 +26,7 @@ extern "C" {
 namespace packcell {
 namespace {
 
-// ---- Environment
-// ----------------------------------------------------------------------------------
+// ---- Environment -------------------------------------------------------------------------------
 
 int first_position(const Bin &bin, Size size) {
     Positions positions;
@@ -176,8 +175,7 @@ void greedy_contact_measures_what_it_is_known_to(void **) {
     assert_true(std::fabs(measure(ContactPolicy(), protocol, 1, 3000).mean - 0.865) < 0.008);
 }
 
-// ---- A3C
-// ------------------------------------------------------------------------------------------
+// ---- A3C ---------------------------------------------------------------------------------------
 
 A3cOptions small_options() {
     A3cOptions o;

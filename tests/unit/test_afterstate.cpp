@@ -122,8 +122,7 @@ std::string refusal(Status status, const std::function<void()> &call) {
     return "was not refused";
 }
 
-// ---- Features
-// -------------------------------------------------------------------------------------
+// ---- Features ----------------------------------------------------------------------------------
 
 void taking_cells_gives_what_building_from_the_bin_gives(void **) {
     Random random(seed_of(__func__));
@@ -335,8 +334,7 @@ void a_value_is_the_sum_of_its_entries(void **) {
     assert_true(value(FreeCells(empty)) == 0.5f + 4 * 10 + 3 + 4);
 }
 
-// ---- The policy
-// -----------------------------------------------------------------------------------
+// ---- The policy --------------------------------------------------------------------------------
 
 struct Place {
     int x = 0;
@@ -613,8 +611,7 @@ void weights_that_make_no_tables_are_refused(void **) {
                         "bin 4x5: policy 'tables' was trained for 4x4 bins");
 }
 
-// ---- The learner
-// ----------------------------------------------------------------------------------
+// ---- The learner -------------------------------------------------------------------------------
 
 AfterstateOptions small_options() {
     AfterstateOptions options;
@@ -798,8 +795,7 @@ void training_packs_small_bins_better_than_contact_does(void **) {
     }
 }
 
-// ---- The default policy
-// ---------------------------------------------------------------------------
+// ---- The default policy ------------------------------------------------------------------------
 
 Weights default_weights() {
     std::vector<uint8_t> bytes;
@@ -866,8 +862,7 @@ void the_default_is_the_learned_policy_on_its_bins_and_contact_on_others(void **
     }
 }
 
-// ---- The critic in the planner
-// --------------------------------------------------------------------
+// ---- The critic in the planner -----------------------------------------------------------------
 
 void the_planner_turns_an_item_where_that_is_worth_more(void **) {
     Random random(seed_of(__func__));

@@ -85,8 +85,7 @@ Size random_size(Random &random) {
     return {1 + static_cast<int>(random.below(4)), 1 + static_cast<int>(random.below(4))};
 }
 
-// ---- The layers, read plainly
-// --------------------------------------------------------------------
+// ---- The layers, read plainly ------------------------------------------------------------------
 
 struct Planes {
     int w;
@@ -356,8 +355,7 @@ void a_network_small_enough_is_worked_out_by_hand(void **) {
     assert_float_equal(value, 3 - (0.5f * 17 + 10 + 100 - 1), 1e-3);
 }
 
-// ---- Gradient
-// -------------------------------------------------------------------------------------
+// ---- Gradient ----------------------------------------------------------------------------------
 
 void the_gradient_agrees_with_finite_differences(void **) {
     Random random(kSeed + 2);
@@ -421,8 +419,7 @@ void the_gradient_agrees_with_finite_differences(void **) {
     }
 }
 
-// ---- The policy
-// ------------------------------------------------------------------------------------
+// ---- The policy --------------------------------------------------------------------------------
 
 Weights weights_of(const NetworkShape &shape, uint64_t seed) {
     const auto parameters = random_parameters<float>(shape, seed);

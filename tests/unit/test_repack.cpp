@@ -97,8 +97,7 @@ Bin play(const State &s, const Repacking &r) {
     return bin;
 }
 
-// ---- UnpackSearch
-// -----------------------------------------------------------------------------
+// ---- UnpackSearch ------------------------------------------------------------------------------
 
 // Fewest items to take out and put back so that `need` fits; -1 when no set will do.
 int fewest_extra(const Bin &bin, const std::vector<Item> &need, const std::vector<int> &leave,
@@ -168,8 +167,7 @@ void unpack_search_finds_a_smallest_set(void **) {
     assert_true(found > rounds / 20);  // the cases are not all trivial
 }
 
-// ---- ExactRepack
-// ------------------------------------------------------------------------------
+// ---- ExactRepack -------------------------------------------------------------------------------
 
 struct Best {
     int occupied = -1;        // most cells with all that may be left out

@@ -19,8 +19,7 @@ constexpr double kSlack = 1e-6;    // seconds
 constexpr CoordinationMode kModes[] = {CoordinationMode::kSyncPaper, CoordinationMode::kZoneMutex,
                                        CoordinationMode::kCoordinated};
 
-// ---- What a schedule says, action by action
-// -------------------------------------------------------
+// ---- What a schedule says, action by action ----------------------------------------------------
 
 struct Done {
     AtomicKind kind;
@@ -55,8 +54,7 @@ const Done &action_of(const std::vector<Done> &actions, const Handover &h) {
     return *at;
 }
 
-// ---- Rules
-// ----------------------------------------------------------------------------------------
+// ---- Rules -------------------------------------------------------------------------------------
 
 struct Judge {
     const CellLayout &cell;
@@ -297,8 +295,7 @@ struct Judge {
     }
 };
 
-// ---- Schedules of random episodes
-// -----------------------------------------------------------------
+// ---- Schedules of random episodes --------------------------------------------------------------
 
 using SchedulerPtr = std::unique_ptr<Scheduler>;
 
@@ -390,8 +387,7 @@ void the_same_work_has_the_same_schedule(void **) {
     }
 }
 
-// ---- Items that do not fit
-// ------------------------------------------------------------------------
+// ---- Items that do not fit ---------------------------------------------------------------------
 
 // Lets every release into the bin after the last step's plan fail, in turn.
 void what_did_not_fit_goes_to_the_buffer_and_may_come_back(void **) {
@@ -501,8 +497,7 @@ void an_item_for_which_the_buffer_has_no_place_is_a_limit(void **) {
     assert_true(schedule_hash(scheduler->schedule()) == schedule_hash(before));
 }
 
-// ---- What cannot be
-// -------------------------------------------------------------------------------
+// ---- What cannot be ----------------------------------------------------------------------------
 
 // With so wide a margin an arm at its home is in the other one's way wherever that goes.
 void arms_that_block_each_other_are_named(void **) {

@@ -32,8 +32,7 @@ void assert_near(double a, double b, double most) {
     if (!(std::fabs(a - b) <= most)) fail_msg("%.9g and %.9g are not within %g", a, b, most);
 }
 
-// ---- A schedule by hand
-// ---------------------------------------------------------------------------
+// ---- A schedule by hand ------------------------------------------------------------------------
 
 // Writes one arm's lane and handovers, a piece after the other.
 class Hand {
@@ -196,8 +195,7 @@ Example make_empty(int robots) {
     return e;
 }
 
-// ---- Readers
-// -------------------------------------------------------------------------------------
+// ---- Readers -----------------------------------------------------------------------------------
 
 using Table = std::vector<std::vector<std::string>>;
 
@@ -317,8 +315,7 @@ Status status_of(const TraceInput &input) {
     return Status::kOk;
 }
 
-// ---- Chrome trace
-// --------------------------------------------------------------------------------
+// ---- Chrome trace ------------------------------------------------------------------------------
 
 void test_the_lanes_of_a_chrome_trace_do_not_overlap(void **) {
     const Example e = make_example(2);
@@ -427,8 +424,7 @@ void test_the_clearance_is_a_counter_where_there_are_two_arms(void **) {
     }
 }
 
-// ---- CSV
-// -----------------------------------------------------------------------------------------
+// ---- CSV ---------------------------------------------------------------------------------------
 
 void test_a_timeline_has_a_row_for_each_period(void **) {
     const Example e = make_example(2);
@@ -544,8 +540,7 @@ void test_the_locale_does_not_change_numbers(void **) {
     assert_string_equal(text.c_str(), "0.0001234.50-2.2");
 }
 
-// ---- Gantt
-// ---------------------------------------------------------------------------------------
+// ---- Gantt -------------------------------------------------------------------------------------
 
 void test_a_gantt_chart_is_well_formed_and_names_each_item(void **) {
     for (int robots = 1; robots <= 2; ++robots) {
@@ -586,8 +581,7 @@ void test_bars_are_to_scale(void **) {
     assert_near(sum, chart, 0.02 * chart);
 }
 
-// ---- Replay
-// --------------------------------------------------------------------------------------
+// ---- Replay ------------------------------------------------------------------------------------
 
 void test_a_replay_page_needs_no_network(void **) {
     const Example e = make_example(2);
@@ -688,8 +682,7 @@ void test_simulated_poses_are_thinned_but_kept(void **) {
     assert_near(along(keys, 4, 1), rested.x, 0.0005);
 }
 
-// ---- Whatever comes
-// ------------------------------------------------------------------------------
+// ---- Whatever comes ----------------------------------------------------------------------------
 
 void test_names_do_no_harm(void **) {
     Example e = make_example(2);

@@ -72,8 +72,7 @@ BootText boot_from(const std::vector<uint8_t> &bytes) {
 
 CellModel::CellModel() : bin_(make_bin(1, 1)), queue_(make_queue(initialised(pkc_scenario_init))) {}
 
-// ---- Questions
-// -----------------------------------------------------------------------------------
+// ---- Questions ---------------------------------------------------------------------------------
 
 pkc_bin_info CellModel::bin_info() const {
     auto info = initialised(pkc_bin_info_init);
@@ -144,8 +143,7 @@ std::vector<StepAction> CellModel::translate(const std::vector<pkc_action> &acti
     return step;
 }
 
-// ---- Refusals
-// ------------------------------------------------------------------------------------
+// ---- Refusals ----------------------------------------------------------------------------------
 
 Refusal CellModel::judge_place(uint32_t id, int32_t x, int32_t y, int32_t rot) const {
     if (find_packed(id) != nullptr) return wrong(id, "is in the bin already");
@@ -230,8 +228,7 @@ Refusal CellModel::judge_order(uint16_t what, uint32_t id) const {
     return {};
 }
 
-// ---- Records
-// -------------------------------------------------------------------------------------
+// ---- Records -----------------------------------------------------------------------------------
 
 void CellModel::apply(const Record &record) {
     switch (record.kind) {

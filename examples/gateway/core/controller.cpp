@@ -66,8 +66,7 @@ Controller::Controller(const ControllerSettings &settings, Journal &journal, OnE
     put_words(settings.word_order, 0x42F6E979, &image_[kIdentity + 6]);  // 123.456f
 }
 
-// ---- Journal
-// -------------------------------------------------------------------------------------
+// ---- Journal -----------------------------------------------------------------------------------
 
 void Controller::restore(const Record &record) {
     if (record.arm >= kArms) throw std::runtime_error("arm " + std::to_string(record.arm));
@@ -120,8 +119,7 @@ void Controller::journal_failed(const JournalFailure &failure) {
     if (packml_after(state_, PackmlCommand::kAbort)) enter(PackmlState::kAborting);
 }
 
-// ---- Requests
-// ------------------------------------------------------------------------------------
+// ---- Requests ----------------------------------------------------------------------------------
 
 void Controller::write(uint16_t address, const uint16_t *values, uint16_t count,
                        const Moment &now) {
@@ -252,8 +250,7 @@ Refusal Controller::take_order(uint16_t what, const JobOrder &order, const Momen
     return {};
 }
 
-// ---- PackML
-// --------------------------------------------------------------------------------------
+// ---- PackML ------------------------------------------------------------------------------------
 
 void Controller::control(uint16_t number) {
     if (number < 1 || number > kPackmlCommands) {
@@ -353,8 +350,7 @@ void Controller::watch_plc(const Moment &now) {
     if (packml_holds_on_fault(state_)) enter(PackmlState::kHolding);
 }
 
-// ---- Planning
-// ------------------------------------------------------------------------------------
+// ---- Planning ----------------------------------------------------------------------------------
 
 void Controller::pump(const Moment &now) {
     for (int arm = 0; arm < kArms; ++arm) {
@@ -483,8 +479,7 @@ void Controller::end_wish(int arm, PlanResult result) {
                      " actions, " + std::to_string(end.micros / kMicrosPerMs) + " ms");
 }
 
-// ---- Registers
-// -----------------------------------------------------------------------------------
+// ---- Registers ---------------------------------------------------------------------------------
 
 void Controller::show_result(int arm) {
     const uint16_t base = arm == 0 ? kResultA : kResultB;
