@@ -21,6 +21,10 @@ import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.util.Collections;
 
+/**
+ * Texts are UTF-8 with a closing zero: up to 5.13, JNA encodes a String as the platform does,
+ * whatever it was told, and without a locale each letter beyond ASCII becomes a question mark.
+ */
 public interface Raw extends Library {
     /** The library that PACKCELL_LIBRARY names, else the one that JNA or the loader finds. */
     Raw LIBRARY = Native.load(
@@ -55,7 +59,7 @@ def parameter(param):
     kind = TYPES.get(param["base"], param["base"])
     name = param["name"]
     forms = {"value": kind, "handle": "Pointer", "out_handle": "PointerByReference",
-             "handles": "Pointer[]", "string": "String", "text": "byte[]", "bytes": "byte[]",
+             "handles": "Pointer[]", "string": "byte[]", "text": "byte[]", "bytes": "byte[]",
              "out_text": "byte[]", "out_bytes": "byte[]", "array": f"{kind}[]",
              "out_array": f"{kind}[]", "inout_array": f"{kind}[]", "struct": kind,
              "out_struct": kind, "out_value": REFERENCES.get(kind)}

@@ -1,6 +1,7 @@
 // A bin of cells and what lies in it.
 namespace Packcell
 {
+    /// <summary>What is in a bin, in cells.</summary>
     public sealed class BinInfo
     {
         internal Raw.pkc_bin_info raw;
@@ -12,14 +13,17 @@ namespace Packcell
 
         public int W => raw.w;
         public int H => raw.h;
+        /// <summary>Items packed.</summary>
         public int Items => raw.items;
         /// <summary>Fixed cells and items.</summary>
         public int OccupiedCells => raw.occupied_cells;
+        /// <summary>Those taken by Block.</summary>
         public int FixedCells => raw.fixed_cells;
         /// <summary>Of the occupied cells.</summary>
         public ulong Hash => raw.hash;
     }
 
+    /// <summary>A bin of cells, x to the right, y down from the top-left corner.</summary>
     public sealed class Bin : Handle<Raw.pkc_bin>
     {
         /// <summary>In Cells: no item is there.</summary>
@@ -39,6 +43,7 @@ namespace Packcell
             return raw;
         }
 
+        /// <summary>A bin of its own with the same items and fixed cells.</summary>
         public Bin Clone()
         {
             Raw.pkc_bin raw;
@@ -52,19 +57,24 @@ namespace Packcell
             Native.Check(Raw.pkc_bin_clear(Native.Of(this)));
         }
 
-        /// <summary>Marks free cells as taken from the start.</summary>
+        /// <summary>Marks free cells as taken from the start. Status.State if one of the w x h at
+        /// (x, y) is taken.</summary>
         public void Block(int x, int y, int w, int h)
         {
             Native.Check(Raw.pkc_bin_block(Native.Of(this), x, y, w, h));
         }
 
+        /// <summary>Puts an item, turned by a quarter if rot is 1, with its top-left corner at (x,
+        /// y). Status.State if it does not lie on free cells alone, its id is in the bin already,
+        /// or it must not be turned.</summary>
         public void Pack(Item item, int x, int y, int rot = 0)
         {
             Raw.pkc_item raw = Item.ToRaw(item);
             Native.Check(Raw.pkc_bin_pack(Native.Of(this), ref raw, x, y, rot));
         }
 
-        /// <summary>Takes an item out; where it was.</summary>
+        /// <summary>Takes an item out, and says where it was. Status.State if it is not there or is
+        /// pinned.</summary>
         public Placement Unpack(int id)
         {
             var raw = new Raw.pkc_placement();
@@ -72,6 +82,7 @@ namespace Packcell
             return Placement.From(raw);
         }
 
+        /// <summary>What is in the bin now.</summary>
         public BinInfo Info
         {
             get
@@ -104,7 +115,8 @@ namespace Packcell
                 Raw.pkc_bin_feasible(Native.Of(this), w, h, a, n, out count)), b => b != 0);
         }
 
-        /// <summary>Occupied cells, walls included, around a free w x h rectangle.</summary>
+        /// <summary>The contact reward: occupied cells, walls included, around a w x h rectangle at
+        /// (x, y), 0..2(w+h). Status.State if the rectangle is not free.</summary>
         public int Contact(int x, int y, int w, int h)
         {
             int reward;

@@ -1,6 +1,7 @@
 // The cell: arms, bin, belt, buffers. Lengths are metres, angles radians, times seconds.
 namespace Packcell
 {
+    /// <summary>What a cell's description comes to.</summary>
     public sealed class CellInfo
     {
         internal Raw.pkc_cell_info raw;
@@ -19,8 +20,9 @@ namespace Packcell
         public int[] Joints => new[] { raw.joints[0], raw.joints[1] };
         /// <summary>Kept between the arms.</summary>
         public double Margin => raw.margin;
+        /// <summary>Of coordination.</summary>
         public double Tick => raw.tick;
-        /// <summary>One arm's, with dwells.</summary>
+        /// <summary>One arm's: home, belt, bin and home, with dwells.</summary>
         public double Cycle => raw.cycle;
         public string Name => raw.name.ToString();
     }
@@ -36,11 +38,13 @@ namespace Packcell
                                                      Native.Size<Raw.pkc_layout_options>()));
         }
 
+        /// <summary>Of the mean transfer time, 10..100000 (800).</summary>
         public int Evaluations { get => raw.evaluations; set => raw.evaluations = value; }
-        /// <summary>By which bases and buffers may move in x and in y, 0..2.</summary>
+        /// <summary>Metres by which bases and buffers may move in x and in y, 0..2 (0.3).</summary>
         public double Range { get => raw.range; set => raw.range = value; }
     }
 
+    /// <summary>How the layout was found.</summary>
     public sealed class LayoutInfo
     {
         internal Raw.pkc_layout_info raw;
@@ -50,8 +54,9 @@ namespace Packcell
             Native.Check(Raw.pkc_layout_info_init(ref raw, Native.Size<Raw.pkc_layout_info>()));
         }
 
+        /// <summary>Made.</summary>
         public int Evaluations => raw.evaluations;
-        /// <summary>Mean transfer time.</summary>
+        /// <summary>Mean transfer time between belt, bin and buffers, without dwells.</summary>
         public double Before => raw.before;
         public double After => raw.after;
     }
@@ -66,6 +71,7 @@ namespace Packcell
 
         private Cell(Raw.pkc_cell raw) : base(raw) { }
 
+        /// <summary>The names that the constructor knows.</summary>
         public static string[] Presets => Native.Listed(Raw.pkc_cell_preset);
 
         private static Raw.pkc_cell Create(string preset)
@@ -84,6 +90,8 @@ namespace Packcell
             return new Cell(raw);
         }
 
+        /// <summary>The same from a file. Status.IO if it cannot be read; Format or Argument name a
+        /// wrong field.</summary>
         public static Cell LoadFile(string path)
         {
             Raw.pkc_cell raw;
@@ -99,11 +107,13 @@ namespace Packcell
                     Raw.pkc_cell_save(Native.Of(this), a, n, out size)));
         }
 
+        /// <summary>The same into a file, all or nothing.</summary>
         public void SaveFile(string path)
         {
             Native.Check(Raw.pkc_cell_save_file(Native.Of(this), Native.Text(path)));
         }
 
+        /// <summary>What the description comes to.</summary>
         public CellInfo Info
         {
             get
@@ -122,8 +132,8 @@ namespace Packcell
             Native.Check(Raw.pkc_cell_check(Native.Of(this), ref raw));
         }
 
-        /// <summary>Six joints at which the arm's tool has its tip at x, y, z and is turned by yaw.
-        /// </summary>
+        /// <summary>Six joints at which the arm's tool has its tip at x, y, z and is turned by yaw;
+        /// for the four of a SCARA the last two are 0. Status.State if there are none.</summary>
         public double[] Inverse(int arm, double[] pose)
         {
             Require(pose, PoseNumbers, "pose");

@@ -3,13 +3,17 @@ using System;
 
 namespace Packcell
 {
+    /// <summary>What is generated.</summary>
     public enum GeneratorKind
     {
+        /// <summary>A stream of items with sides uniform on 1 to half the bin's.</summary>
         Random = Raw.PKC_GENERATE_RANDOM,
+        /// <summary>Sets that fill a bin to the last cell.</summary>
         Full = Raw.PKC_GENERATE_FULL
     }
 
-    /// <summary>A new one has the library's defaults; equal options give equal items.</summary>
+    /// <summary>A new one is Random, 10 x 10, preset "table", seed 1. Equal options give equal
+    /// items on every machine.</summary>
     public sealed class GeneratorOptions
     {
         internal Raw.pkc_generator_options raw;
@@ -21,6 +25,7 @@ namespace Packcell
         }
 
         public GeneratorKind Kind { get => (GeneratorKind)raw.kind; set => raw.kind = (int)value; }
+        /// <summary>Cells of the bin's sides, 1..128 (10 x 10).</summary>
         public int W { get => raw.w; set => raw.w = value; }
         public int H { get => raw.h; set => raw.h = value; }
         /// <summary>Full: of the sides, as a fraction of the bin's side.</summary>
@@ -37,8 +42,10 @@ namespace Packcell
         }
     }
 
+    /// <summary>Streams and sets of items.</summary>
     public sealed class Generator : Handle<Raw.pkc_generator>
     {
+        /// <summary>Without options, the defaults.</summary>
         public Generator(GeneratorOptions options = null) : base(Create(options)) { }
 
         private static Raw.pkc_generator Create(GeneratorOptions options)
@@ -49,11 +56,13 @@ namespace Packcell
             return raw;
         }
 
-        /// <summary>Random: so many items. Full: the next set, of at most so many.</summary>
+        /// <summary>Random: so many items, ids counting on. Full: the next set, of at most so many,
+        /// ids from 0; W * H always suffice, with fewer it may be Status.Capacity.</summary>
         public Item[] Next(int most)
         {
             if (most < 0)
-                throw Native.Wrong(most + " items: must be 0 or more");
+                throw Native.Wrong(FormattableString.Invariant(
+                    $"{most} items: must be 0 or more"));
             var raw = new Raw.pkc_item[most];
             ulong count;
             Native.Check(Raw.pkc_generator_next(Native.Of(this), raw, (ulong)most, out count));
@@ -62,8 +71,8 @@ namespace Packcell
         }
     }
 
-    /// <summary>From a real bin, in millimetres, to cells and back. A new one has the paper's.
-    /// </summary>
+    /// <summary>From a real bin, in millimetres, to cells and back. A new one has the paper's: 320
+    /// x 260, 10, 30, 0.</summary>
     public sealed class Grid
     {
         private Raw.pkc_grid raw;
@@ -82,6 +91,7 @@ namespace Packcell
         /// <summary>Kept free between neighbouring items.</summary>
         public double Clearance { get => raw.clearance; set => raw.clearance = value; }
 
+        /// <summary>The bin's cells: floor((side - 2 * margin) / cell) of each side.</summary>
         public (int W, int H) BinCells()
         {
             int w, h;
@@ -89,7 +99,8 @@ namespace Packcell
             return (w, h);
         }
 
-        /// <summary>Cells that an item of w x h millimetres takes.</summary>
+        /// <summary>Cells that an item of w x h millimetres takes: ceil((side + clearance) /
+        /// cell).</summary>
         public (int W, int H) ItemCells(double w, double h)
         {
             int cellsW, cellsH;
@@ -97,8 +108,8 @@ namespace Packcell
             return (cellsW, cellsH);
         }
 
-        /// <summary>Centre of a rectangle of cells, from the bin's inside top-left corner.
-        /// </summary>
+        /// <summary>Centre of a rectangle of cells, in millimetres from the bin's inside top-left
+        /// corner.</summary>
         public (double X, double Y) Centre(int x, int y, int w, int h)
         {
             double centreX, centreY;

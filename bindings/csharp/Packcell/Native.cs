@@ -9,16 +9,27 @@ namespace Packcell
     /// <summary>Status of a failed call; the numbers are those of PKC_E_*.</summary>
     public enum Status
     {
+        /// <summary>A null object, or a value outside what is allowed.</summary>
         Argument = Raw.PKC_E_ARGUMENT,
+        /// <summary>A struct of a size that the library does not know.</summary>
         Struct = Raw.PKC_E_STRUCT,
+        /// <summary>Memory could not be had.</summary>
         Memory = Raw.PKC_E_MEMORY,
+        /// <summary>The object is in use by another thread.</summary>
         Busy = Raw.PKC_E_BUSY,
+        /// <summary>The call does not fit the object's state.</summary>
         State = Raw.PKC_E_STATE,
+        /// <summary>An array is too small.</summary>
         Capacity = Raw.PKC_E_CAPACITY,
+        /// <summary>More than the limits that the object was made with.</summary>
         Limit = Raw.PKC_E_LIMIT,
+        /// <summary>Bytes do not hold what they should.</summary>
         Format = Raw.PKC_E_FORMAT,
+        /// <summary>A file could not be read or written.</summary>
         IO = Raw.PKC_E_IO,
+        /// <summary>Not in this build, or not something this policy does.</summary>
         Unsupported = Raw.PKC_E_UNSUPPORTED,
+        /// <summary>A fault of packcell's own; please report it.</summary>
         Internal = Raw.PKC_E_INTERNAL
     }
 
@@ -31,6 +42,8 @@ namespace Packcell
             Status = status;
         }
 
+        /// <summary>What was wrong; a number that is newer than these classes has no name
+        /// here.</summary>
         public Status Status { get; }
 
         /// <summary>"PKC_E_ARGUMENT" and the like.</summary>
@@ -61,8 +74,11 @@ namespace Packcell
         /// <summary>For calls of Raw; it stays this object's.</summary>
         public T Held { get; }
 
+        /// <summary>Whether Dispose has been called.</summary>
         public bool IsDisposed => Held.IsClosed;
 
+        /// <summary>Frees the handle, at once or after the call that uses it. A second time does
+        /// nothing.</summary>
         public void Dispose()
         {
             Held.Dispose();

@@ -4,6 +4,7 @@ using System.Collections.Generic;
 
 namespace Packcell
 {
+    /// <summary>What a policy is made of; heuristics are not learned.</summary>
     public enum Architecture
     {
         Heuristic = Raw.PKC_ARCH_HEURISTIC,
@@ -12,6 +13,7 @@ namespace Packcell
         Afterstate = Raw.PKC_ARCH_AFTERSTATE
     }
 
+    /// <summary>Where a policy comes from; zeros for a heuristic.</summary>
     public sealed class PolicyInfo
     {
         internal Raw.pkc_policy_info raw;
@@ -25,16 +27,22 @@ namespace Packcell
         /// <summary>Sides of the bins that it serves; 0: any.</summary>
         public int BinW => raw.bin_w;
         public int BinH => raw.bin_h;
+        /// <summary>Numbers learned.</summary>
         public ulong Parameters => raw.parameters;
         public ulong Seed => raw.seed;
+        /// <summary>Items placed while learning.</summary>
         public ulong Steps => raw.steps;
+        /// <summary>Share of filled cells in the reward, 0..1; the rest is contact.</summary>
         public double RewardFill => raw.reward_fill;
         /// <summary>0..1; -1: not measured.</summary>
         public double Utilization => raw.utilization;
+        /// <summary>How it learned; empty for a heuristic.</summary>
         public string Learner => raw.learner.ToString();
     }
 
-    /// <summary>By position, the last for "no position"; and the value of the bin.</summary>
+    /// <summary>What actor and critic say: W*H + 1 logits and probabilities by position, the last
+    /// for "no position", those without room with probability 0; and the value of the bin.
+    /// </summary>
     public sealed class Evaluation
     {
         internal Evaluation(float[] logits, float[] probabilities, float value)
@@ -49,15 +57,32 @@ namespace Packcell
         public float Value { get; }
     }
 
-    /// <summary>Immutable; may be shared by threads.</summary>
+    /// <summary>The same for many pairs, one after another: W*H + 1 probabilities for each.
+    /// </summary>
+    public sealed class BatchEvaluation
+    {
+        internal BatchEvaluation(int[] positions, float[] probabilities, float[] values)
+        {
+            Positions = positions;
+            Probabilities = probabilities;
+            Values = values;
+        }
+
+        public int[] Positions { get; }
+        public float[] Probabilities { get; }
+        public float[] Values { get; }
+    }
+
+    /// <summary>Where an item goes. Immutable; may be shared by threads.</summary>
     public sealed class Policy : Handle<Raw.pkc_policy>
     {
-        /// <summary>By one of the Builtin names.</summary>
+        /// <summary>By one of the Builtins.</summary>
         public Policy(string name) : base(Create(name)) { }
 
         private Policy(Raw.pkc_policy raw) : base(raw) { }
 
-        public static string[] Builtin => Native.Listed(Raw.pkc_policy_builtin);
+        /// <summary>The names that the constructor knows, "default" first.</summary>
+        public static string[] Builtins => Native.Listed(Raw.pkc_policy_builtin);
 
         private static Raw.pkc_policy Create(string name)
         {
@@ -74,6 +99,8 @@ namespace Packcell
             return new Policy(raw);
         }
 
+        /// <summary>The same from a file. Status.IO if it cannot be read, Format with the first
+        /// offset that is wrong.</summary>
         public static Policy LoadFile(string path)
         {
             Raw.pkc_policy raw;
@@ -81,28 +108,41 @@ namespace Packcell
             return new Policy(raw);
         }
 
-        /// <summary>The weight blob; heuristics have none.</summary>
+        /// <summary>The weight blob. Status.Unsupported for a heuristic: it has none.</summary>
         public byte[] Save()
         {
             return Native.Filled((byte[] a, ulong n, out ulong size) =>
                 Raw.pkc_policy_save(Native.Of(this), a, n, out size));
         }
 
+        /// <summary>The same into a file, all or nothing.</summary>
         public void SaveFile(string path)
         {
             Native.Check(Raw.pkc_policy_save_file(Native.Of(this), Native.Text(path)));
         }
 
+        /// <summary>Empty for one that was disposed of.</summary>
         public string Name
         {
             get
             {
-                string name = Raw.Text(Raw.pkc_policy_name(Native.Of(this)));
-                GC.KeepAlive(this);
-                return name;
+                // The name lives as long as the handle, which another thread may dispose of.
+                Raw.pkc_policy policy = Native.Of(this);
+                bool added = false;
+                try
+                {
+                    policy.DangerousAddRef(ref added);
+                    return Raw.Text(Raw.pkc_policy_name(policy));
+                }
+                finally
+                {
+                    if (added)
+                        policy.DangerousRelease();
+                }
             }
         }
 
+        /// <summary>Where the policy comes from.</summary>
         public PolicyInfo Info
         {
             get
@@ -123,10 +163,11 @@ namespace Packcell
             return position;
         }
 
-        /// <summary>What actor and critic say; heuristics say nothing.</summary>
+        /// <summary>What a learned policy says of such an item; Status.Unsupported if it gives
+        /// positions alone.</summary>
         public Evaluation Evaluate(Bin bin, int w, int h)
         {
-            int positions = Positions(bin);
+            int positions = Positions(Native.Of(bin));
             var logits = new float[positions];
             var probabilities = new float[positions];
             ulong count;
@@ -137,43 +178,82 @@ namespace Packcell
             return new Evaluation(logits, probabilities, value);
         }
 
-        /// <summary>The positions for many pairs of a bin and an item of sizes[2*i] x
-        /// sizes[2*i + 1] cells, faster than one by one. All bins have the same sides.</summary>
+        /// <summary>The positions for 1..2^20 pairs of a bin and an item of sizes[2*i] x
+        /// sizes[2*i + 1] cells, faster than one by one. All bins have the same sides; the same bin
+        /// may stand in many pairs.</summary>
         public int[] SelectBatch(IReadOnlyList<Bin> bins, int[] sizes)
         {
-            if (bins == null || sizes == null || sizes.Length != 2L * bins.Count)
-                throw Native.Wrong((sizes == null ? 0 : sizes.Length) + " sizes for "
-                                   + (bins == null ? 0 : bins.Count) + " bins: must be two a bin");
-            var raw = new IntPtr[bins.Count];
-            var positions = new int[bins.Count];
-            var held = new List<Raw.pkc_bin>();
-            try
-            {
-                for (int i = 0; i < raw.Length; ++i)
-                {
-                    Raw.pkc_bin bin = Native.Of(bins[i]);
-                    bool added = false;
-                    bin.DangerousAddRef(ref added);
-                    if (added)
-                        held.Add(bin);
-                    raw[i] = bin.DangerousGetHandle();
-                }
-                Native.Check(Raw.pkc_policy_evaluate_batch(Native.Of(this), raw, sizes,
-                                                           (ulong)raw.Length, positions, null,
-                                                           null));
-            }
-            finally
-            {
-                foreach (Raw.pkc_bin bin in held)
-                    bin.DangerousRelease();
-            }
+            Raw.pkc_bin[] handles = Handles(bins);
+            var positions = new int[handles.Length];
+            Batch(handles, sizes, positions, null, null);
             return positions;
         }
 
-        private static int Positions(Bin bin)
+        /// <summary>The same with what a learned policy says; Status.Unsupported if it gives
+        /// positions alone.</summary>
+        public BatchEvaluation EvaluateBatch(IReadOnlyList<Bin> bins, int[] sizes)
+        {
+            Raw.pkc_bin[] handles = Handles(bins);
+            int pairs = handles.Length;
+            long probabilities = pairs == 0 ? 0 : (long)Positions(handles[0]) * pairs;
+            var evaluation = new BatchEvaluation(new int[pairs], new float[probabilities],
+                                                 new float[pairs]);
+            Batch(handles, sizes, evaluation.Positions, evaluation.Probabilities,
+                  evaluation.Values);
+            return evaluation;
+        }
+
+        /// <summary>Packs so many bins, 1..2^32, of a held-out stream, always at the most probable
+        /// position. Without a protocol, the default one.</summary>
+        public Measurement Measure(Protocol protocol = null, ulong seed = 1, ulong bins = 1000)
+        {
+            Raw.pkc_trainer_options of = (protocol ?? new Protocol()).raw;
+            double mean, halfWidth;
+            Native.Check(Raw.pkc_policy_measure(Native.Of(this), ref of, seed, bins, out mean,
+                                                out halfWidth));
+            return new Measurement { Mean = mean, HalfWidth = halfWidth };
+        }
+
+        // Read once: the list may change while C uses what it held.
+        private static Raw.pkc_bin[] Handles(IReadOnlyList<Bin> bins)
+        {
+            return Native.Map(bins, bin => Native.Of(bin)) ?? new Raw.pkc_bin[0];
+        }
+
+        // What is asked for is not null, and has room for all pairs.
+        private void Batch(Raw.pkc_bin[] bins, int[] sizes, int[] positions, float[] probabilities,
+                           float[] values)
+        {
+            if (sizes == null || sizes.Length != 2L * bins.Length)
+                throw Native.Wrong((sizes == null ? 0 : sizes.Length) + " sizes for "
+                                   + bins.Length + " bins: must be two a bin");
+            var raw = new IntPtr[bins.Length];
+            int held = 0;
+            try
+            {
+                for (; held < bins.Length; ++held)
+                {
+                    bool added = false;
+                    bins[held].DangerousAddRef(ref added);
+                    raw[held] = bins[held].DangerousGetHandle();
+                }
+                // A copy: C checks the sizes first, and they must not change after that.
+                Native.Check(Raw.pkc_policy_evaluate_batch(Native.Of(this), raw,
+                                                           (int[])sizes.Clone(),
+                                                           (ulong)raw.Length, positions,
+                                                           probabilities, values));
+            }
+            finally
+            {
+                while (held > 0)
+                    bins[--held].DangerousRelease();
+            }
+        }
+
+        private static int Positions(Raw.pkc_bin bin)
         {
             var info = new BinInfo();
-            Native.Check(Raw.pkc_bin_get_info(Native.Of(bin), ref info.raw));
+            Native.Check(Raw.pkc_bin_get_info(bin, ref info.raw));
             return info.W * info.H + 1;
         }
     }

@@ -25,6 +25,7 @@ namespace Packcell
             return From(raw);
         }
 
+        /// <summary>"S-R5A3" or "D-R5A3O1".</summary>
         public string Name
         {
             get
@@ -60,6 +61,7 @@ namespace Packcell
         }
     }
 
+    /// <summary>How many items are where.</summary>
     public sealed class QueueInfo
     {
         internal Raw.pkc_queue_info raw;
@@ -73,16 +75,21 @@ namespace Packcell
         public int Belt => raw.belt;
         /// <summary>Items in the arms' buffers.</summary>
         public int Buffered => raw.buffered;
+        /// <summary>Items that only arm 0 reaches.</summary>
         public int KAlpha => raw.k_alpha;
+        /// <summary>Items that both arms reach, or the one there is.</summary>
         public int KShared => raw.k_shared;
+        /// <summary>Items that only arm 1 reaches.</summary>
         public int KBeta => raw.k_beta;
-        /// <summary>For SetAlphaLeft of a queue that is rebuilt.</summary>
+        /// <summary>Items that stayed in arm 0's region when the conveyor last moved, for
+        /// SetAlphaLeft.</summary>
         public int AlphaLeft => raw.alpha_left;
     }
 
     /// <summary>The conveyor and one buffer an arm.</summary>
     public sealed class Queue : Handle<Raw.pkc_queue>
     {
+        /// <summary>An empty one.</summary>
         public Queue(Scenario scenario) : base(Create(scenario)) { }
 
         /// <summary>By the scenario's name.</summary>
@@ -98,6 +105,7 @@ namespace Packcell
             return raw;
         }
 
+        /// <summary>A queue of its own with the same items.</summary>
         public Queue Clone()
         {
             Raw.pkc_queue raw;
@@ -105,37 +113,46 @@ namespace Packcell
             return new Queue(raw);
         }
 
-        /// <summary>An item arrives at the conveyor's end.</summary>
+        /// <summary>An item arrives at the conveyor's end. Status.State if the queue holds its id
+        /// already.</summary>
         public void Push(Item item)
         {
             Raw.pkc_item raw = Item.ToRaw(item);
             Native.Check(Raw.pkc_queue_push(Native.Of(this), ref raw));
         }
 
-        /// <summary>An item leaves without being packed; the conveyor advances.</summary>
+        /// <summary>An item leaves without being packed; the conveyor advances. Status.State if it
+        /// is not there.</summary>
         public void Remove(int id)
         {
             Native.Check(Raw.pkc_queue_remove(Native.Of(this), id));
         }
 
-        /// <summary>Several leave at once, all or none.</summary>
-        public void Remove(IReadOnlyList<int> ids)
+        /// <summary>Several leave at once, all or none, and the conveyor advances as after a
+        /// step.</summary>
+        public void RemoveItems(IReadOnlyList<int> ids)
         {
             int[] raw = Native.Map(ids, id => id);
             Native.Check(Raw.pkc_queue_remove_items(Native.Of(this), raw, Native.Count(raw)));
         }
 
+        /// <summary>An item comes into an arm's buffer, 0 or 1, from without: a queue rebuilt from
+        /// a message, or an item unpacked outside a planned step. Status.State if the queue holds
+        /// its id already.</summary>
         public void PutInBuffer(Item item, int arm)
         {
             Raw.pkc_item raw = Item.ToRaw(item);
             Native.Check(Raw.pkc_queue_put_in_buffer(Native.Of(this), ref raw, arm));
         }
 
+        /// <summary>Arranges the regions as if so many items, 0..64, had stayed in arm 0's: for a
+        /// queue rebuilt from a message, with the AlphaLeft of its info.</summary>
         public void SetAlphaLeft(int items)
         {
             Native.Check(Raw.pkc_queue_set_alpha_left(Native.Of(this), items));
         }
 
+        /// <summary>The one that it was made for.</summary>
         public Scenario Scenario
         {
             get
@@ -146,6 +163,7 @@ namespace Packcell
             }
         }
 
+        /// <summary>How many items are where now.</summary>
         public QueueInfo Info
         {
             get
@@ -174,12 +192,15 @@ namespace Packcell
     /// <summary>Bin and queue as bytes that are the same on every machine.</summary>
     public static class Snapshot
     {
+        /// <summary>Neither is changed.</summary>
         public static byte[] Save(Bin bin, Queue queue)
         {
             return Native.Filled((byte[] a, ulong n, out ulong size) =>
                 Raw.pkc_snapshot_save(Native.Of(bin), Native.Of(queue), a, n, out size));
         }
 
+        /// <summary>A new bin and a new queue. Status.Format names the first offset that is
+        /// wrong.</summary>
         public static void Load(byte[] bytes, out Bin bin, out Queue queue)
         {
             Raw.pkc_bin rawBin;

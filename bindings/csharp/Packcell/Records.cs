@@ -4,11 +4,14 @@ using System.Collections.Generic;
 
 namespace Packcell
 {
+    /// <summary>What must not be done to an item.</summary>
     [Flags]
     public enum ItemFlags : uint
     {
         None = 0,
+        /// <summary>May only be packed with rot 0.</summary>
         NoRotate = Raw.PKC_ITEM_NO_ROTATE,
+        /// <summary>Is never unpacked.</summary>
         Pinned = Raw.PKC_ITEM_PINNED
     }
 
@@ -26,7 +29,7 @@ namespace Packcell
             Flags = flags;
         }
 
-        public override string ToString() => Id + ": " + W + "x" + H;
+        public override string ToString() => FormattableString.Invariant($"{Id}: {W}x{H}");
 
         internal static Raw.pkc_item ToRaw(Item item) => new Raw.pkc_item {
             id = item.Id, w = item.W, h = item.H, flags = (uint)item.Flags
@@ -61,11 +64,16 @@ namespace Packcell
         };
     }
 
+    /// <summary>What an action does, and the fields that it uses.</summary>
     public enum Op
     {
+        /// <summary>Item, Arm: from the bin into the arm's buffer.</summary>
         Unpack = Raw.PKC_OP_UNPACK,
+        /// <summary>All: off the conveyor or the arm's buffer into the bin.</summary>
         Pack = Raw.PKC_OP_PACK,
+        /// <summary>Item: taken off the conveyor for good.</summary>
         Skip = Raw.PKC_OP_SKIP,
+        /// <summary>None: the bin is closed.</summary>
         Terminate = Raw.PKC_OP_TERMINATE
     }
 
@@ -80,11 +88,12 @@ namespace Packcell
             switch (Op)
             {
                 case Op.Pack:
-                    return "PACK " + Item + " at " + X + "," + Y + " rot " + Rot + " arm " + Arm;
-                case Op.Unpack: return "UNPACK " + Item + " arm " + Arm;
-                case Op.Skip: return "SKIP " + Item;
+                    return FormattableString.Invariant(
+                        $"PACK {Item} at {X},{Y} rot {Rot} arm {Arm}");
+                case Op.Unpack: return FormattableString.Invariant($"UNPACK {Item} arm {Arm}");
+                case Op.Skip: return FormattableString.Invariant($"SKIP {Item}");
                 case Op.Terminate: return "TERMINATE";
-                default: return "op " + (int)Op;
+                default: return FormattableString.Invariant($"op {(int)Op}");
             }
         }
 

@@ -1,7 +1,8 @@
 // A run of a schedule in a fresh world.
 namespace Packcell
 {
-    /// <summary>A new one has the library's defaults.</summary>
+    /// <summary>A new one has the library's defaults: 240 steps a second, no deviations, no
+    /// frames.</summary>
     public sealed class SimulationOptions
     {
         internal Raw.pkc_simulation_options raw;
@@ -16,17 +17,23 @@ namespace Packcell
         public int Hertz { get => raw.hertz; set => raw.hertz = value; }
         /// <summary>Standard deviation of an item's place in the gripper, 0..0.05 m.</summary>
         public double Sigma { get => raw.sigma; set => raw.sigma = value; }
+        /// <summary>And of its turn, 0..0.5.</summary>
         public double SigmaYaw { get => raw.sigma_yaw; set => raw.sigma_yaw = value; }
+        /// <summary>Equal schedules and options give equal runs.</summary>
         public ulong Seed { get => raw.seed; set => raw.seed = value; }
         /// <summary>Keep the poses for the replay.</summary>
         public bool Frames { get => raw.frames != 0; set => raw.frames = value ? 1 : 0; }
     }
 
+    /// <summary>What became of an item.</summary>
     public enum Outcome
     {
         Ok = Raw.PKC_PLACE_OK,
+        /// <summary>It would have come down on a wall or a neighbour: still held.</summary>
         Jammed = Raw.PKC_PLACE_JAMMED,
+        /// <summary>In the bin, but farther from its place than allowed.</summary>
         Misplaced = Raw.PKC_PLACE_MISPLACED,
+        /// <summary>It had jammed and was not put aside: nothing is let go.</summary>
         Absent = Raw.PKC_PLACE_ABSENT
     }
 
@@ -39,6 +46,7 @@ namespace Packcell
         public double Time;
         /// <summary>Metres between where it lies and where it should.</summary>
         public double Error;
+        /// <summary>Radians between how it lies and how it should.</summary>
         public double Turn;
 
         internal static Place From(Raw.pkc_place raw) => new Place {
@@ -47,6 +55,7 @@ namespace Packcell
         };
     }
 
+    /// <summary>What a run came to.</summary>
     public sealed class SimulationInfo
     {
         internal Raw.pkc_simulation_info raw;
@@ -60,17 +69,24 @@ namespace Packcell
         public int Places => raw.places;
         public int Jams => raw.jams;
         public int Misplaced => raw.misplaced;
+        /// <summary>Metres, of an item in the bin at the end.</summary>
         public double WorstError => raw.worst_error;
+        /// <summary>Metres by which two of them, or one and a wall, overlap.</summary>
         public double WorstOverlap => raw.worst_overlap;
+        /// <summary>Simulated.</summary>
         public double Seconds => raw.seconds;
         public ulong Steps => raw.steps;
+        /// <summary>Arrivals that the photo-eyes saw.</summary>
         public ulong Detections => raw.detections;
+        /// <summary>And those that they did not see.</summary>
         public ulong Missed => raw.missed;
         /// <summary>Of all final poses, bit for bit.</summary>
         public ulong Hash => raw.hash;
+        /// <summary>CPU time of the run.</summary>
         public double Milliseconds => raw.milliseconds;
     }
 
+    /// <summary>A run of a schedule in a fresh world.</summary>
     public sealed class Simulation : Handle<Raw.pkc_simulation>
     {
         /// <summary>Runs what the schedule has so far, to its end.</summary>
@@ -85,6 +101,7 @@ namespace Packcell
             return raw;
         }
 
+        /// <summary>What the run came to.</summary>
         public SimulationInfo Info
         {
             get

@@ -1,11 +1,12 @@
 // What the C# classes do beyond the raw layer: the golden plan, and bad input as exceptions.
 using System;
 using System.Collections.Generic;
+using System.Globalization;
 using System.IO;
 using System.Threading;
 using Packcell;
 
-public static class Test
+public static partial class Test
 {
     private static readonly int[] Sides = {
         2, 1, 4, 3, 2, 2, 4, 4, 2, 4, 3, 4, 3, 2, 3, 1, 3, 5, 2, 2, 2, 2, 2, 3, 5, 5, 2, 4
@@ -122,14 +123,14 @@ public static class Test
             Check(queue.Info.Belt == 14 && queue.Belt()[0].Recognized, "belt");
             Check(queue.Scenario.Name == "D-R5A3O1", "scenario of a queue");
             queue.Remove(0);
-            queue.Remove(new[] { 1, 2 });
+            queue.RemoveItems(new[] { 1, 2 });
             queue.PutInBuffer(new Item(50, 1, 1), 1);
             Check(queue.Info.Belt == 11 && queue.Buffer()[0].Item.Id == 50, "removed, buffered");
             queue.SetAlphaLeft(0);
             Throws(Status.State, "", "id twice", () => queue.Push(new Item(3, 1, 1)));
-            Throws(Status.State, "", "removed twice", () => queue.Remove(new[] { 3, 3 }));
-            Throws(Status.Argument, "", "no ids", () => queue.Remove(null));
-            queue.Remove(new int[0]);
+            Throws(Status.State, "", "removed twice", () => queue.RemoveItems(new[] { 3, 3 }));
+            Throws(Status.Argument, "", "no ids", () => queue.RemoveItems(null));
+            queue.RemoveItems(new int[0]);
             using (Queue copy = queue.Clone())
                 Check(copy.Info.Belt == 11, "clone of a queue");
         }
@@ -194,6 +195,53 @@ public static class Test
         Throws(Status.Argument, "", "queue disposed of", () => queue.Push(new Item(1, 1, 1)));
     }
 
+    private static void LearnedPolicy()
+    {
+        using (var policy = new Policy("default"))
+        using (var bin = new Bin(10, 10))
+        using (var other = new Bin(10, 10))
+        using (var small = new Bin(4, 4))
+        {
+            PolicyInfo info = policy.Info;
+            Check(info.Architecture != Architecture.Heuristic && info.Parameters > 0
+                  && info.Learner != "", "a learned policy's info");
+            other.Pack(new Item(1, 3, 2), 0, 0);
+            Evaluation one = policy.Evaluate(other, 2, 2);
+            float sum = 0;
+            foreach (float chance in one.Probabilities)
+                sum += chance;
+            Check(one.Logits.Length == 101 && Math.Abs(sum - 1) < 1e-4, "probabilities");
+            Bin[] bins = { bin, other, other };
+            int[] sizes = { 5, 1, 2, 2, 1, 4 };
+            BatchEvaluation many = policy.EvaluateBatch(bins, sizes);
+            Check(many.Values.Length == 3 && many.Values[1] == one.Value, "values of a batch");
+            Check(many.Probabilities.Length == 303
+                  && many.Probabilities[101 + 44] == one.Probabilities[44], "chances of a batch");
+            Check(many.Positions[2] == policy.Select(other, 1, 4)
+                  && policy.SelectBatch(bins, sizes)[1] == many.Positions[1], "positions");
+            Throws(Status.Argument, "", "bins of two sizes",
+                   () => policy.EvaluateBatch(new[] { bin, small }, new[] { 1, 1, 1, 1 }));
+            Throws(Status.Argument, "", "a batch of no pairs",
+                   () => policy.EvaluateBatch(new Bin[0], new int[0]));
+            Throws(Status.Argument, "must be two a bin", "no bins and sizes",
+                   () => policy.EvaluateBatch(null, null));
+            Throws(Status.Argument, "", "evaluated batch with no bin",
+                   () => policy.EvaluateBatch(new Bin[1], new[] { 1, 1 }));
+            Measurement measured = policy.Measure(bins: 50);
+            Check(measured.Mean > 0.5 && measured.Mean < 1 && measured.HalfWidth > 0, "measured");
+            Throws(Status.Argument, "bins 0", "measured on nothing", () => policy.Measure(bins: 0));
+        }
+        using (var policy = new Policy("contact"))
+        using (var bin = new Bin(4, 4))
+        {
+            Throws(Status.Unsupported, "", "a heuristic's batch",
+                   () => policy.EvaluateBatch(new[] { bin }, new[] { 1, 1 }));
+            var large = new Protocol { BinW = 40, BinH = 40, MostSide = 20, Items = 30,
+                                       Rotation = Rotation.Off };
+            Check(policy.Measure(large, 7, 2).Mean > 0, "measured on large bins");
+        }
+    }
+
     private static void Packer()
     {
         using (var bin = new Bin(4, 4))
@@ -221,7 +269,7 @@ public static class Test
         Throws(Status.Format, "", "not a cell", () => Cell.Load("{}"));
         Throws(Status.Argument, "", "no cell", () => Cell.Load(null));
         Check(Array.IndexOf(Cell.Presets, "ur5e") >= 0, "presets");
-        Check(Array.IndexOf(Policy.Builtin, "contact") >= 0, "policies");
+        Check(Array.IndexOf(Policy.Builtins, "contact") >= 0, "policies");
         using (var cell = new Cell("ur5e"))
         using (Cell same = Cell.Load(cell.Save()))
         using (var schedule = new Schedule(same, scenario, Mode.Coordinated))
@@ -241,6 +289,11 @@ public static class Test
             schedule.AddStep(bin, queue, actions);
             Throws(Status.State, "", "not a legal step",
                    () => schedule.AddStep(bin, queue, NoSuch));
+            Throws(Status.State, "", "put aside at no release", () => schedule.PutAside(0, 0));
+            LayoutInfo layout;
+            var little = new LayoutOptions { Evaluations = 10 };
+            using (Cell better = cell.OptimizeLayout(scenario, little, out layout))
+                Check(better.Info.Arms == 2 && layout.After <= layout.Before, "layout");
             ScheduleInfo info = schedule.Info;
             ArmTimes times = info.Arms[0];
             double sum = times.Travel + times.Strokes + times.Grips;
@@ -271,6 +324,19 @@ public static class Test
         }
     }
 
+    // An arm of four joints is asked by six numbers as well.
+    private static void Scara()
+    {
+        using (var cell = new Cell("scara"))
+        {
+            Check(cell.Info.Joints[0] == 4, "joints of a SCARA");
+            double[] pose = cell.Forward(0, new[] { 0.4, 0.6, -0.1, 0.1, 0, 0 });
+            double[] joints = cell.Inverse(0, pose);
+            Check(joints.Length == 6 && joints[4] == 0 && joints[5] == 0, "the last two are 0");
+            Check(Math.Abs(cell.Forward(0, joints)[2] - pose[2]) < 1e-6, "height of a SCARA");
+        }
+    }
+
     private static void GeneratorAndGrid()
     {
         using (var generator = new Generator(new GeneratorOptions { Seed = 5 }))
@@ -293,6 +359,7 @@ public static class Test
         Throws(Status.Argument, "", "unknown preset", () => new GeneratorOptions().Preset("x"));
         var grid = new Grid();
         Check(grid.BinCells().Equals((10, 8)) && grid.ItemCells(31, 30).Equals((2, 1)), "grid");
+        Check(grid.Centre(0, 0, 2, 1).Equals((40.0, 25.0)), "centre of cells");
         grid.Cell = 0;
         Throws(Status.Argument, "", "cell of 0 mm", () => grid.BinCells());
     }
@@ -448,16 +515,26 @@ public static class Test
 
     public static int Main(string[] arguments)
     {
+        // Numbers look strange in this user's language; what packcell says does not.
+        var culture = (CultureInfo)CultureInfo.InvariantCulture.Clone();
+        culture.NumberFormat.NegativeSign = "minus ";
+        culture.NumberFormat.NumberDecimalSeparator = ",";
+        CultureInfo.DefaultThreadCurrentCulture = culture;
+        Thread.CurrentThread.CurrentCulture = culture;
+        Check(new Item(-1, 2, 3).ToString() == "-1: 2x3", "an item in words");
         Check(Library.Version >= 100, "version");
         SlicesSnapshotsAndCell(arguments[0]);
         BinAndQueue();
         BadHandles();
+        LearnedPolicy();
         Packer();
         CellAndRun(arguments[1]);
+        Scara();
         GeneratorAndGrid();
         BusyAndCancel();
         DisposedInUse();
         Races();
+        BadInput(arguments[1]);
         for (int i = 0; i < 200; ++i)
             new Bin(5, 5).Info.ToString();  // forgotten: the collector frees them
         GC.Collect();

@@ -12,6 +12,7 @@ import io.packcell.Placement;
 import io.packcell.Plan;
 import io.packcell.Planner;
 import io.packcell.Policy;
+import io.packcell.Protocol;
 import io.packcell.Queue;
 import io.packcell.Scenario;
 import io.packcell.Schedule;
@@ -37,13 +38,13 @@ public final class Test {
 
     private Test() {}
 
-    private static void check(boolean holds, String what) {
+    static void check(boolean holds, String what) {
         if (holds) return;
         System.out.println("FAILED: " + what);
         ++failures;
     }
 
-    private static void fails(Status status, String part, String what, Runnable call) {
+    static void fails(Status status, String part, String what, Runnable call) {
         try {
             call.run();
             check(false, what + ": no exception");
@@ -56,7 +57,7 @@ public final class Test {
         }
     }
 
-    private static Queue golden() {
+    static Queue golden() {
         Queue queue = new Queue("D-R5A3O1");
         for (int id = 0; 2 * id < SIDES.length; ++id)
             queue.push(new Item(id, SIDES[2 * id], SIDES[2 * id + 1]));
@@ -131,14 +132,14 @@ public final class Test {
             check(queue.info().belt() == 14 && queue.belt().get(0).recognized(), "belt");
             check(queue.scenario().equals(scenario), "scenario of a queue");
             queue.remove(0);
-            queue.removeAll(1, 2);
-            queue.removeAll();
+            queue.removeItems(1, 2);
+            queue.removeItems();
             queue.putInBuffer(new Item(50, 1, 1), 1);
             check(queue.info().belt() == 11 && queue.buffer().get(0).item().id() == 50, "buffer");
             queue.setAlphaLeft(0);
             fails(Status.STATE, "", "id twice", () -> queue.push(new Item(3, 1, 1)));
-            fails(Status.STATE, "", "removed twice", () -> queue.removeAll(3, 3));
-            fails(Status.ARGUMENT, "", "no ids", () -> queue.removeAll((int[]) null));
+            fails(Status.STATE, "", "removed twice", () -> queue.removeItems(3, 3));
+            fails(Status.ARGUMENT, "", "no ids", () -> queue.removeItems((int[]) null));
             fails(Status.ARGUMENT, "", "no item to push", () -> queue.push(null));
             try (Queue copy = queue.copy()) {
                 check(copy.info().equals(queue.info()), "copy of a queue");
@@ -204,6 +205,52 @@ public final class Test {
         fails(Status.ARGUMENT, "", "closed queue", () -> queue.push(new Item(1, 1, 1)));
     }
 
+    private static void learnedPolicy() {
+        try (Policy policy = new Policy("default");
+                Bin bin = new Bin(10, 10);
+                Bin other = new Bin(10, 10);
+                Bin small = new Bin(4, 4)) {
+            Policy.Info info = policy.info();
+            check(info.architecture() != Policy.Architecture.HEURISTIC && info.parameters() > 0
+                    && !info.learner().isEmpty(), "a learned policy's info");
+            other.pack(new Item(1, 3, 2), 0, 0);
+            Policy.Evaluation one = policy.evaluate(other, 2, 2);
+            float sum = 0;
+            for (float chance : one.probabilities()) sum += chance;
+            check(one.logits().length == 101 && Math.abs(sum - 1) < 1e-4, "probabilities");
+            List<Bin> bins = List.of(bin, other, other);
+            int[] sizes = {5, 1, 2, 2, 1, 4};
+            Policy.BatchEvaluation many = policy.evaluateBatch(bins, sizes);
+            check(many.values().length == 3 && many.values()[1] == one.value(), "values");
+            check(many.probabilities().length == 303
+                    && many.probabilities()[101 + 44] == one.probabilities()[44], "chances");
+            check(many.positions()[2] == policy.select(other, 1, 4)
+                    && policy.selectBatch(bins, sizes)[1] == many.positions()[1], "positions");
+            fails(Status.ARGUMENT, "", "bins of two sizes",
+                    () -> policy.evaluateBatch(List.of(bin, small), new int[] {1, 1, 1, 1}));
+            fails(Status.ARGUMENT, "", "evaluated batch of nothing",
+                    () -> policy.evaluateBatch(List.of(), new int[0]));
+            fails(Status.ARGUMENT, "must be two a bin", "no bins and sizes",
+                    () -> policy.evaluateBatch(null, null));
+            fails(Status.ARGUMENT, "", "evaluated batch with no bin",
+                    () -> policy.evaluateBatch(Arrays.asList((Bin) null), new int[] {1, 1}));
+            Policy.Measurement measured = policy.measure(null, 1, 50);
+            check(measured.mean() > 0.5 && measured.mean() < 1 && measured.halfWidth() > 0,
+                    "measured");
+            fails(Status.ARGUMENT, "bins 0", "measured on nothing",
+                    () -> policy.measure(Protocol.defaults(), 1, 0));
+        }
+        try (Policy policy = new Policy("contact"); Bin bin = new Bin(4, 4)) {
+            check(policy.info().architecture() == Policy.Architecture.HEURISTIC, "a heuristic");
+            fails(Status.UNSUPPORTED, "", "a heuristic's batch",
+                    () -> policy.evaluateBatch(List.of(bin), new int[] {1, 1}));
+            Protocol large = new Protocol(40, 40, 1, 20, 30, Protocol.Rotation.OFF);
+            check(policy.measure(large, 7, 2).mean() > 0, "measured on large bins");
+        }
+        check(Protocol.defaults().equals(
+                new Protocol(10, 10, 1, 5, 0, Protocol.Rotation.MIXED)), "default protocol");
+    }
+
     private static void packer() {
         try (Bin bin = new Bin(4, 4)) {
             List<Item> fits = List.of(new Item(0, 4, 2), new Item(1, 2, 2), new Item(2, 2, 2));
@@ -228,7 +275,7 @@ public final class Test {
         fails(Status.ARGUMENT, "", "unknown cell", () -> new Cell("nosuch"));
         fails(Status.FORMAT, "", "not a cell", () -> Cell.load("{}"));
         fails(Status.ARGUMENT, "", "no text", () -> Cell.load(null));
-        check(Cell.presets().contains("ur5e") && Policy.builtin().contains("contact"), "names");
+        check(Cell.presets().contains("ur5e") && Policy.builtins().contains("contact"), "names");
         try (Cell cell = new Cell("ur5e");
                 Cell same = Cell.load(cell.save());
                 Schedule schedule = new Schedule(same, scenario, Schedule.Mode.COORDINATED);
@@ -247,6 +294,11 @@ public final class Test {
             schedule.addStep(bin, queue, Step.allocate(cell, queue, plan.actions()));
             fails(Status.STATE, "", "not a legal step",
                     () -> schedule.addStep(bin, queue, List.of(NO_SUCH)));
+            fails(Status.STATE, "", "put aside at no release", () -> schedule.putAside(0, 0));
+            Cell.Layout layout = cell.optimizeLayout(scenario,
+                    new Cell.LayoutOptions(10, Cell.LayoutOptions.defaults().range()));
+            check(layout.cell().info().arms() == 2 && layout.after() <= layout.before(), "layout");
+            layout.cell().close();
             Schedule.Info info = schedule.info();
             Schedule.ArmTimes times = info.arms().get(0);
             double sum = times.travel() + times.strokes() + times.grips();
@@ -272,6 +324,17 @@ public final class Test {
         }
     }
 
+    /** An arm of four joints is asked by six numbers as well. */
+    private static void scara() {
+        try (Cell cell = new Cell("scara")) {
+            check(cell.info().joints()[0] == 4, "joints of a SCARA");
+            double[] pose = cell.forward(0, 0.4, 0.6, -0.1, 0.1, 0, 0);
+            double[] joints = cell.inverse(0, pose);
+            check(joints.length == 6 && joints[4] == 0 && joints[5] == 0, "the last two are 0");
+            check(Math.abs(cell.forward(0, joints)[2] - pose[2]) < 1e-6, "height of a SCARA");
+        }
+    }
+
     private static void generatorAndGrid() {
         try (Generator generator = new Generator(new Generator.Options().seed(5));
                 Generator again = new Generator(new Generator.Options().seed(5))) {
@@ -285,9 +348,13 @@ public final class Test {
             int cells = generator.next(100).stream().mapToInt(item -> item.w() * item.h()).sum();
             check(cells == 100, "a full set");
         }
+        try (Generator generator = new Generator(null); Generator same = new Generator()) {
+            check(generator.next(3).equals(same.next(3)), "default options of a generator");
+        }
         fails(Status.ARGUMENT, "", "unknown preset", () -> new Generator.Options().preset("x"));
         check(Grid.defaults().binCells().equals(new Grid.Cells(10, 8)), "bin's cells");
         check(Grid.defaults().itemCells(31, 30).equals(new Grid.Cells(2, 1)), "item's cells");
+        check(Grid.defaults().centre(0, 0, 2, 1).equals(new Grid.Point(40, 25)), "centre");
         fails(Status.ARGUMENT, "", "cell of 0 mm", () -> new Grid(1, 1, 0, 0, 0).binCells());
     }
 
@@ -404,12 +471,15 @@ public final class Test {
         slicesAndSnapshots(arguments[0]);
         binAndQueue();
         badHandles();
+        learnedPolicy();
         packer();
         cellAndRun(Path.of(arguments[1]));
+        scara();
         generatorAndGrid();
         busyAndCancel();
         closedInUse();
         races();
+        BadInput.run(Path.of(arguments[1]));
         int items = 0;
         for (int i = 0; i < 200; ++i) items += new Bin(5, 5).info().items(); // the cleaner's
         System.gc();

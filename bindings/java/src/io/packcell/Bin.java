@@ -25,6 +25,7 @@ public final class Bin extends Handle {
         super(pointer, LIBRARY::pkc_bin_free);
     }
 
+    /** A bin of its own with the same items and fixed cells. */
     public Bin copy() {
         return new Bin(Native.made(this, p -> out -> LIBRARY.pkc_bin_clone(p, out)));
     }
@@ -34,27 +35,33 @@ public final class Bin extends Handle {
         Native.check(this, LIBRARY::pkc_bin_clear);
     }
 
-    /** Marks free cells as taken from the start. */
+    /** Marks free cells as taken from the start. STATE if one of the w x h at (x, y) is taken. */
     public void block(int x, int y, int w, int h) {
         Native.check(this, p -> LIBRARY.pkc_bin_block(p, x, y, w, h));
     }
 
+    /**
+     * Puts an item, turned by a quarter if rot is 1, with its top-left corner at (x, y). STATE if
+     * it does not lie on free cells alone, its id is in the bin already, or it must not be turned.
+     */
     public void pack(Item item, int x, int y, int rot) {
         Raw.pkc_item raw = Item.raw(item);
         Native.check(this, p -> LIBRARY.pkc_bin_pack(p, raw, x, y, rot));
     }
 
+    /** The same, not turned. */
     public void pack(Item item, int x, int y) {
         pack(item, x, y, 0);
     }
 
-    /** Takes an item out; where it was. */
+    /** Takes an item out, and says where it was. STATE if it is not there or is pinned. */
     public Placement unpack(int id) {
         Raw.pkc_placement raw = new Raw.pkc_placement();
         Native.check(this, p -> LIBRARY.pkc_bin_unpack(p, id, raw));
         return Placement.from(raw);
     }
 
+    /** What is in the bin now. */
     public Info info() {
         Raw.pkc_bin_info raw = new Raw.pkc_bin_info();
         Native.check(LIBRARY.pkc_bin_info_init(raw, raw.size()));
@@ -88,7 +95,10 @@ public final class Bin extends Handle {
         return answers;
     }
 
-    /** Occupied cells, walls included, around a free w x h rectangle. */
+    /**
+     * The contact reward: occupied cells, walls included, around a w x h rectangle at (x, y),
+     * 0..2(w+h). STATE if the rectangle is not free.
+     */
     public int contact(int x, int y, int w, int h) {
         IntByReference reward = new IntByReference();
         Native.check(this, p -> LIBRARY.pkc_bin_contact(p, x, y, w, h, reward));

@@ -5,10 +5,12 @@ package io.packcell;
  * alone gives the same plan on every machine.
  */
 public record Budget(long nodes, double milliseconds) {
+    /** So many placements tried, and no time limit. */
     public static Budget ofNodes(long nodes) {
         return new Budget(nodes, 0);
     }
 
+    /** So much wall time, 0..1e12, and any number of nodes. */
     public static Budget ofMilliseconds(double milliseconds) {
         return new Budget(0, milliseconds);
     }

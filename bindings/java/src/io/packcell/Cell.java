@@ -12,12 +12,20 @@ public final class Cell extends Handle {
     private static final int POSE_NUMBERS = 4;
     private static final Raw LIBRARY = Raw.LIBRARY;
 
-    /** Buffer slots and joints are those of each arm. */
+    /**
+     * Buffer slots and joints (6, 4, or 0 for no arm) are those of each arm; margin is kept between
+     * the arms; tick is the step of coordination; cycle is one arm's way from home to the belt, the
+     * bin and home, with dwells.
+     */
     public record Info(int arms, int binW, int binH, int[] bufferSlots, int[] joints, double margin,
             double tick, double cycle, String name) {}
 
-    /** Evaluations made at most, and how far bases and buffers may move in x and in y. */
+    /**
+     * Evaluations of the mean transfer time, 10..100000, and metres by which bases and buffers may
+     * move in x and in y, 0..2.
+     */
     public record LayoutOptions(int evaluations, double range) {
+        /** 800 evaluations, 0.3 metres. */
         public static LayoutOptions defaults() {
             Raw.pkc_layout_options raw = fresh();
             return new LayoutOptions(raw.evaluations, raw.range);
@@ -30,22 +38,23 @@ public final class Cell extends Handle {
         }
     }
 
-    /** The better cell, and the mean transfer times. */
+    /** The better cell, the caller's to close, and the mean transfer times without dwells. */
     public record Layout(Cell cell, int evaluations, double before, double after) {}
 
     /** By one of the presets. */
     public Cell(String preset) {
-        this(create(Native.text(preset)));
+        this(create(Native.toC(preset)));
     }
 
     private Cell(Pointer pointer) {
         super(pointer, LIBRARY::pkc_cell_free);
     }
 
-    private static Pointer create(String preset) {
+    private static Pointer create(byte[] preset) {
         return Native.made(out -> LIBRARY.pkc_cell_create(preset, out));
     }
 
+    /** The names that the constructor knows. */
     public static List<String> presets() {
         return Native.listed(LIBRARY::pkc_cell_preset);
     }
@@ -57,8 +66,9 @@ public final class Cell extends Handle {
                 Native.made(out -> LIBRARY.pkc_cell_load(bytes, Native.count(bytes), out)));
     }
 
+    /** From a cell.json. IO if it cannot be read; FORMAT or ARGUMENT name a wrong field. */
     public static Cell loadFile(String path) {
-        String text = Native.text(path);
+        byte[] text = Native.toC(path);
         return new Cell(Native.made(out -> LIBRARY.pkc_cell_load_file(text, out)));
     }
 
@@ -68,11 +78,13 @@ public final class Cell extends Handle {
                 p -> (a, n, size) -> LIBRARY.pkc_cell_save(p, a, n, size)), StandardCharsets.UTF_8);
     }
 
+    /** The same into a file, all or nothing. */
     public void saveFile(String path) {
-        String text = Native.text(path);
+        byte[] text = Native.toC(path);
         Native.check(this, p -> LIBRARY.pkc_cell_save_file(p, text));
     }
 
+    /** What the description comes to. */
     public Info info() {
         Raw.pkc_cell_info raw = new Raw.pkc_cell_info();
         Native.check(LIBRARY.pkc_cell_info_init(raw, raw.size()));
@@ -87,7 +99,10 @@ public final class Cell extends Handle {
         Native.check(this, p -> LIBRARY.pkc_cell_check(p, raw));
     }
 
-    /** Six joints at which the arm's tool has its tip at x, y, z and is turned by yaw. */
+    /**
+     * Six joints at which the arm's tool has its tip at x, y, z and is turned by yaw; for the four
+     * of a SCARA the last two are 0. STATE if there are none.
+     */
     public double[] inverse(int arm, double... pose) {
         require(pose, POSE_NUMBERS, "pose");
         double[] joints = new double[Raw.PKC_MAX_JOINTS];

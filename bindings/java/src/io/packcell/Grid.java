@@ -8,16 +8,19 @@ import com.sun.jna.ptr.IntByReference;
  * each wall, a cell's side, what is kept free between items.
  */
 public record Grid(double binW, double binH, double margin, double cell, double clearance) {
+    /** Sides in cells. */
     public record Cells(int w, int h) {}
 
+    /** Millimetres from the bin's inside top-left corner, y down. */
     public record Point(double x, double y) {}
 
-    /** The paper's. */
+    /** The paper's: 320 x 260, 10, 30, 0. */
     public static Grid defaults() {
         Raw.pkc_grid raw = fresh();
         return new Grid(raw.bin_w, raw.bin_h, raw.margin, raw.cell, raw.clearance);
     }
 
+    /** The bin's cells: floor((side - 2 * margin) / cell) of each side. */
     public Cells binCells() {
         IntByReference w = new IntByReference();
         IntByReference h = new IntByReference();
@@ -25,7 +28,7 @@ public record Grid(double binW, double binH, double margin, double cell, double 
         return new Cells(w.getValue(), h.getValue());
     }
 
-    /** Cells that an item of so many millimetres takes. */
+    /** Cells that an item of so many millimetres takes: ceil((side + clearance) / cell). */
     public Cells itemCells(double width, double height) {
         IntByReference w = new IntByReference();
         IntByReference h = new IntByReference();

@@ -20,11 +20,13 @@ public abstract class Handle implements AutoCloseable {
         cleanable = CLEANER.register(this, state);
     }
 
+    /** Frees the handle, at once or after the call that uses it. A second time does nothing. */
     @Override
     public final void close() {
         cleanable.clean();
     }
 
+    /** Whether close has been called. */
     public final boolean isClosed() {
         return state.isClosed();
     }

@@ -7,6 +7,7 @@ public record Item(int id, int w, int h, int flags) {
     /** Is never unpacked. */
     public static final int PINNED = Raw.PKC_ITEM_PINNED;
 
+    /** Without flags. */
     public Item(int id, int w, int h) {
         this(id, w, h, 0);
     }

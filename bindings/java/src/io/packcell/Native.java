@@ -4,8 +4,12 @@ import com.sun.jna.Pointer;
 import com.sun.jna.Structure;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
+import java.nio.ByteBuffer;
+import java.nio.CharBuffer;
+import java.nio.charset.CharacterCodingException;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.function.BiConsumer;
 import java.util.function.Function;
@@ -96,11 +100,13 @@ final class Native {
         return out.getValue();
     }
 
-    /** C reads a text to its first zero, and would not see what comes after it. */
-    static String text(String text) {
-        if (text != null && text.indexOf('\0') >= 0)
+    /** As Raw takes texts. C reads one to its first zero, and would not see what comes after it. */
+    static byte[] toC(String text) {
+        if (text == null) return null;
+        if (text.indexOf('\0') >= 0)
             throw new PackcellException("text with a zero character: must have none");
-        return text;
+        byte[] bytes = bytes(text);
+        return Arrays.copyOf(bytes, bytes.length + 1);
     }
 
     static String text(byte[] bytes) {
@@ -109,8 +115,17 @@ final class Native {
         return new String(bytes, 0, length, StandardCharsets.UTF_8);
     }
 
+    /** As UTF-8; what has no such form is refused, where String.getBytes writes a question mark. */
     static byte[] bytes(String text) {
-        return text == null ? null : text.getBytes(StandardCharsets.UTF_8);
+        if (text == null) return null;
+        try {
+            ByteBuffer encoded = StandardCharsets.UTF_8.newEncoder().encode(CharBuffer.wrap(text));
+            byte[] bytes = new byte[encoded.remaining()];
+            encoded.get(bytes);
+            return bytes;
+        } catch (CharacterCodingException error) {
+            throw new PackcellException("text with half a surrogate pair: must be Unicode");
+        }
     }
 
     /** The constant with this number, counted from 1; null if there is none. */
@@ -129,10 +144,6 @@ final class Native {
     }
 
     /** With null the count is one, and the library says that the array is missing. */
-    static long count(List<?> list) {
-        return list == null ? 1 : list.size();
-    }
-
     static long count(byte[] bytes) {
         return bytes == null ? 1 : bytes.length;
     }
@@ -140,18 +151,27 @@ final class Native {
     /** So many structs, one after another; null for none, which JNA has no array for. */
     @SuppressWarnings("unchecked")
     static <S extends Structure> S[] structs(S first, int count) {
+        // JNA reckons their size as an int.
+        int most = Integer.MAX_VALUE / first.size();
+        if (count > most)
+            throw new PackcellException(count + " elements: must be at most " + most);
         return count == 0 ? null : (S[]) first.toArray(count);
     }
 
-    static <R, S extends Structure> S[] given(List<R> list, S first, BiConsumer<R, S> set) {
-        if (list == null) return null;
-        S[] array = structs(first, list.size());
-        for (int i = 0; i < list.size(); ++i) {
-            if (list.get(i) == null)
+    /** An array for the library and its length, which is one if there is no list (see count). */
+    record Given<S>(S[] array, int count) {}
+
+    /** The list is read once: its length may change meanwhile, what C is told must not. */
+    static <R, S extends Structure> Given<S> given(List<R> list, S first, BiConsumer<R, S> set) {
+        if (list == null) return new Given<>(null, 1);
+        List<R> values = new ArrayList<>(list);
+        S[] array = structs(first, values.size());
+        for (int i = 0; i < values.size(); ++i) {
+            if (values.get(i) == null)
                 throw new PackcellException("element " + i + " is null: must be one");
-            set.accept(list.get(i), array[i]);
+            set.accept(values.get(i), array[i]);
         }
-        return array;
+        return new Given<>(array, values.size());
     }
 
     static <S, R> List<R> list(S[] array, int count, Function<S, R> from) {

@@ -7,13 +7,26 @@ import java.util.List;
 
 /** Plans the next step. */
 public final class Planner extends Handle {
-    /** Algorithms 1-3 of the paper as written, or the same tree with equal states once. */
-    public enum Method { PAPER, EXACT }
+    /** How a step is planned. */
+    public enum Method {
+        /** Algorithms 1-3 of the paper as written. */
+        PAPER,
+        /** The same tree, equal states once; repacking by an exact packer. */
+        EXACT
+    }
 
-    public enum Repack { OFF, ANYTIME, FULL }
+    /** Whether packed items may be moved. */
+    public enum Repack {
+        OFF,
+        /** Raises the utilisation as far as the budget allows. */
+        ANYTIME,
+        /** Only for a plan that places every known item or fills the bin. */
+        FULL
+    }
 
     /** In select: two candidates in method PAPER with repacking, else all. */
     public static final int SELECT_AUTO = Raw.PKC_SELECT_AUTO;
+    /** In select: no pruning. */
     public static final int SELECT_ALL = Raw.PKC_SELECT_ALL;
     /** In bufferCapacity. */
     public static final int UNLIMITED = Raw.PKC_UNLIMITED;
@@ -24,10 +37,12 @@ public final class Planner extends Handle {
     public static final class Options {
         final Raw.pkc_planner_options raw = new Raw.pkc_planner_options();
 
+        /** EXACT, rotation, no repacking, SELECT_AUTO, UNLIMITED buffers. */
         public Options() {
             Native.check(LIBRARY.pkc_planner_options_init(raw, raw.size()));
         }
 
+        /** EXACT unless it is set. */
         public Options method(Method method) {
             raw.method = Native.code(method);
             return this;
@@ -39,6 +54,7 @@ public final class Planner extends Handle {
             return this;
         }
 
+        /** OFF unless it is set. */
         public Options repack(Repack repack) {
             raw.repack = Native.code(repack) - 1;
             return this;
@@ -50,7 +66,7 @@ public final class Planner extends Handle {
             return this;
         }
 
-        /** Items that an arm's buffer holds, 0..4096, or UNLIMITED. */
+        /** Items that an arm's buffer holds at any moment of a step, 0..4096, or UNLIMITED. */
         public Options bufferCapacity(int items) {
             raw.buffer_capacity = items;
             return this;
@@ -62,7 +78,10 @@ public final class Planner extends Handle {
             return this;
         }
 
-        /** Largest bin side, most items in the bin, most recognised and buffered ones. */
+        /**
+         * Largest bin side, 1..128; most items in the bin, 1..16384; most recognised and buffered
+         * ones together, 1..128. What is larger is LIMIT when it is planned for.
+         */
         public Options limits(int maxSide, int maxItems, int maxKnown) {
             raw.max_side = maxSide;
             raw.max_items = maxItems;
@@ -96,7 +115,11 @@ public final class Planner extends Handle {
         return out.getValue();
     }
 
-    /** Plans for what bin and queue hold; changes neither. A null budget is the default one. */
+    /**
+     * Plans the next step for what bin and queue hold; changes neither. Always legal for
+     * Step.apply. With nothing on the conveyor and in the buffers that is TERMINATE. A null budget
+     * is the default one.
+     */
     public Plan plan(Bin bin, Queue queue, Budget budget) {
         Raw.pkc_budget raw = Budget.raw(budget);
         Native.check(this, bin, queue,
@@ -104,6 +127,7 @@ public final class Planner extends Handle {
         return result();
     }
 
+    /** The same with the default budget: 200000 nodes, no time limit. */
     public Plan plan(Bin bin, Queue queue) {
         return plan(bin, queue, null);
     }
@@ -121,7 +145,7 @@ public final class Planner extends Handle {
         return done.getValue() != 0;
     }
 
-    /** The plan, or before it is done the best so far. */
+    /** The plan, or before it is done the best so far. STATE if nothing was begun. */
     public Plan result() {
         Raw.pkc_plan_info info = Plan.Info.fresh();
         List<Action> actions = Native.structsOf(this, new Raw.pkc_action(), Action::from,

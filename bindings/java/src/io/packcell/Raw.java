@@ -13,6 +13,10 @@ import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.util.Collections;
 
+/**
+ * Texts are UTF-8 with a closing zero: up to 5.13, JNA encodes a String as the platform does,
+ * whatever it was told, and without a locale each letter beyond ASCII becomes a question mark.
+ */
 public interface Raw extends Library {
     /** The library that PACKCELL_LIBRARY names, else the one that JNA or the loader finds. */
     Raw LIBRARY = Native.load(
@@ -474,7 +478,7 @@ public interface Raw extends Library {
 
     int pkc_scenario_init(pkc_scenario scenario, long size);
 
-    int pkc_scenario_parse(String name, pkc_scenario scenario);
+    int pkc_scenario_parse(byte[] name, pkc_scenario scenario);
 
     int pkc_scenario_name(pkc_scenario scenario, byte[] name, long capacity);
 
@@ -523,7 +527,7 @@ public interface Raw extends Library {
     int pkc_grid_centre(pkc_grid grid, int x, int y, int w, int h, DoubleByReference out_x,
             DoubleByReference out_y);
 
-    int pkc_policy_create(String name, PointerByReference out_policy);
+    int pkc_policy_create(byte[] name, PointerByReference out_policy);
 
     void pkc_policy_free(Pointer policy);
 
@@ -533,11 +537,11 @@ public interface Raw extends Library {
 
     int pkc_policy_load(byte[] bytes, long size, PointerByReference out_policy);
 
-    int pkc_policy_load_file(String path, PointerByReference out_policy);
+    int pkc_policy_load_file(byte[] path, PointerByReference out_policy);
 
     int pkc_policy_save(Pointer policy, byte[] bytes, long capacity, LongByReference out_size);
 
-    int pkc_policy_save_file(Pointer policy, String path);
+    int pkc_policy_save_file(Pointer policy, byte[] path);
 
     int pkc_policy_info_init(pkc_policy_info info, long size);
 
@@ -576,9 +580,9 @@ public interface Raw extends Library {
     int pkc_policy_measure(Pointer policy, pkc_trainer_options options, long seed, long bins,
             DoubleByReference out_mean, DoubleByReference out_half_width);
 
-    int pkc_trainer_save_file(Pointer trainer, String path);
+    int pkc_trainer_save_file(Pointer trainer, byte[] path);
 
-    int pkc_trainer_load_file(String path, PointerByReference out_trainer);
+    int pkc_trainer_load_file(byte[] path, PointerByReference out_trainer);
 
     int pkc_planner_options_init(pkc_planner_options options, long size);
 
@@ -609,7 +613,7 @@ public interface Raw extends Library {
     int pkc_bound_in_order(Pointer bin, pkc_item[] items, long count, int rotation,
             pkc_budget budget, LongByReference out_count, IntByReference out_answer);
 
-    int pkc_cell_create(String preset, PointerByReference out_cell);
+    int pkc_cell_create(byte[] preset, PointerByReference out_cell);
 
     void pkc_cell_free(Pointer cell);
 
@@ -617,11 +621,11 @@ public interface Raw extends Library {
 
     int pkc_cell_load(byte[] json, long size, PointerByReference out_cell);
 
-    int pkc_cell_load_file(String path, PointerByReference out_cell);
+    int pkc_cell_load_file(byte[] path, PointerByReference out_cell);
 
     int pkc_cell_save(Pointer cell, byte[] json, long capacity, LongByReference out_size);
 
-    int pkc_cell_save_file(Pointer cell, String path);
+    int pkc_cell_save_file(Pointer cell, byte[] path);
 
     int pkc_cell_info_init(pkc_cell_info info, long size);
 
@@ -673,11 +677,11 @@ public interface Raw extends Library {
             LongByReference out_count);
 
     int pkc_trace_write_file(Pointer schedule, Pointer simulation, int kind, double period,
-            String path);
+            byte[] path);
 
     int pkc_generator_options_init(pkc_generator_options options, long size);
 
-    int pkc_generator_preset(pkc_generator_options options, String preset);
+    int pkc_generator_preset(pkc_generator_options options, byte[] preset);
 
     int pkc_generator_create(pkc_generator_options options, PointerByReference out_generator);
 

@@ -5,10 +5,11 @@ public record Scenario(int robots, int recognized, int accessible, int overlap) 
     /** From "S-R5A3" or "D-R5A3O1". */
     public static Scenario parse(String name) {
         Raw.pkc_scenario raw = fresh();
-        Native.check(Raw.LIBRARY.pkc_scenario_parse(Native.text(name), raw));
+        Native.check(Raw.LIBRARY.pkc_scenario_parse(Native.toC(name), raw));
         return from(raw);
     }
 
+    /** "S-R5A3" or "D-R5A3O1". */
     public String name() {
         byte[] name = new byte[32];
         Native.check(Raw.LIBRARY.pkc_scenario_name(raw(this), name, name.length));

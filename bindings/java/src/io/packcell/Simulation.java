@@ -5,7 +5,16 @@ import java.util.List;
 
 /** A run of a schedule in a fresh world. */
 public final class Simulation extends Handle {
-    public enum Outcome { OK, JAMMED, MISPLACED, ABSENT }
+    /** What became of an item. */
+    public enum Outcome {
+        OK,
+        /** It would have come down on a wall or a neighbour: still held. */
+        JAMMED,
+        /** In the bin, but farther from its place than allowed. */
+        MISPLACED,
+        /** It had jammed before and was not put aside: nothing is let go. */
+        ABSENT
+    }
 
     private static final Raw LIBRARY = Raw.LIBRARY;
 
@@ -13,6 +22,7 @@ public final class Simulation extends Handle {
     public static final class Options {
         final Raw.pkc_simulation_options raw = new Raw.pkc_simulation_options();
 
+        /** 240 steps a second, no deviations, no frames. */
         public Options() {
             Native.check(LIBRARY.pkc_simulation_options_init(raw, raw.size()));
         }
@@ -23,13 +33,14 @@ public final class Simulation extends Handle {
             return this;
         }
 
-        /** Standard deviations of an item's place and turn in the gripper. */
+        /** Standard deviations of an item's place, 0..0.05 m, and turn, 0..0.5, in the gripper. */
         public Options sigma(double metres, double yaw) {
             raw.sigma = metres;
             raw.sigma_yaw = yaw;
             return this;
         }
 
+        /** Of the deviations: equal schedules and options give equal runs. */
         public Options seed(long seed) {
             raw.seed = seed;
             return this;
@@ -54,7 +65,11 @@ public final class Simulation extends Handle {
         }
     }
 
-    /** The hash is that of all final poses, bit for bit. */
+    /**
+     * worstError of an item in the bin at the end, and worstOverlap of two of them or one and a
+     * wall, in metres; seconds simulated; detections: arrivals that the photo-eyes saw, missed:
+     * those that they did not see; hash: of all final poses, bit for bit; milliseconds: CPU time.
+     */
     public record Info(int places, int jams, int misplaced, double worstError, double worstOverlap,
             double seconds, long steps, long detections, long missed, long hash,
             double milliseconds) {}
@@ -65,6 +80,7 @@ public final class Simulation extends Handle {
                 LIBRARY::pkc_simulation_free);
     }
 
+    /** With the default options. */
     public Simulation(Schedule schedule) {
         this(schedule, null);
     }
@@ -73,6 +89,7 @@ public final class Simulation extends Handle {
         return Native.made(schedule, s -> out -> LIBRARY.pkc_simulate(s, options, out));
     }
 
+    /** What the run came to. */
     public Info info() {
         Raw.pkc_simulation_info raw = new Raw.pkc_simulation_info();
         Native.check(LIBRARY.pkc_simulation_info_init(raw, raw.size()));

@@ -4,6 +4,7 @@ import com.sun.jna.ptr.PointerByReference;
 
 /** Bin and queue together, to and from bytes that are the same on every machine. */
 public record Snapshot(Bin bin, Queue queue) implements AutoCloseable {
+    /** Neither is changed. */
     public static byte[] save(Bin bin, Queue queue) {
         Native.Filled<byte[]> filled = new Native.Filled<>(byte[]::new);
         Native.check(bin, queue, (b, q) -> filled.fill(
@@ -11,6 +12,7 @@ public record Snapshot(Bin bin, Queue queue) implements AutoCloseable {
         return filled.array;
     }
 
+    /** A new bin and a new queue. FORMAT names the first offset that is wrong. */
     public static Snapshot load(byte[] bytes) {
         PointerByReference bin = new PointerByReference();
         PointerByReference queue = new PointerByReference();

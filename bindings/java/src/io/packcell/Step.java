@@ -10,15 +10,16 @@ public final class Step {
     /** Equal for equal plans on every machine; unsigned, see Long.toHexString. */
     public static long hash(List<Action> actions) {
         LongByReference hash = new LongByReference();
-        Native.check(Raw.LIBRARY.pkc_plan_hash(raw(actions), Native.count(actions), hash));
+        Native.Given<Raw.pkc_action> raw = raw(actions);
+        Native.check(Raw.LIBRARY.pkc_plan_hash(raw.array(), raw.count(), hash));
         return hash.getValue();
     }
 
     /** Carries out one step's actions on bin and queue, all or nothing. */
     public static void apply(Bin bin, Queue queue, List<Action> actions) {
-        Raw.pkc_action[] raw = raw(actions);
+        Native.Given<Raw.pkc_action> raw = raw(actions);
         Native.check(bin, queue,
-                (b, q) -> Raw.LIBRARY.pkc_step_apply(b, q, raw, Native.count(actions)));
+                (b, q) -> Raw.LIBRARY.pkc_step_apply(b, q, raw.array(), raw.count()));
     }
 
     /**
@@ -26,13 +27,13 @@ public final class Step {
      * is the one before the step.
      */
     public static List<Action> allocate(Cell cell, Queue queue, List<Action> actions) {
-        Raw.pkc_action[] raw = raw(actions);
+        Native.Given<Raw.pkc_action> raw = raw(actions);
         Native.check(cell, queue,
-                (c, q) -> Raw.LIBRARY.pkc_allocate(c, q, raw, Native.count(actions)));
-        return Native.list(raw, raw == null ? 0 : raw.length, Action::from);
+                (c, q) -> Raw.LIBRARY.pkc_allocate(c, q, raw.array(), raw.count()));
+        return Native.list(raw.array(), raw.count(), Action::from);
     }
 
-    static Raw.pkc_action[] raw(List<Action> actions) {
+    static Native.Given<Raw.pkc_action> raw(List<Action> actions) {
         return Native.given(actions, new Raw.pkc_action(), Action::set);
     }
 }
