@@ -477,6 +477,84 @@ PKC_API pkc_status pkc_trainer_save_file(const pkc_trainer *trainer, const char 
 /* PKC_E_IO if it cannot be read, PKC_E_FORMAT with the first offset that is wrong. */
 PKC_API pkc_status pkc_trainer_load_file(const char *path, pkc_trainer **out_trainer);
 
+/* ---- Environment ----------------------------------------------------------------------------- */
+
+/* The low level as a decision process (paper, Sec. III-C), for learners outside of packcell: what
+ * pkc_trainer_run plays, many bins side by side. An item comes and goes to one of its feasible
+ * positions, then the next one comes; the first that has none closes the bin (or as `items` says)
+ * and begins the next one.
+ *
+ * An action is a number, 0..actions - 1 (pkc_environment_info): the position x + y*W of the item's
+ * top-left corner; W*H more for the turned item, unless rotation is PKC_ROTATION_OFF; the last one
+ * is "no position", the only one of a closed bin and never allowed in an open one.
+ *
+ * No call but create, clone and free takes or gives back memory. */
+typedef struct pkc_environment pkc_environment;
+
+/* How many bins, and what is played. */
+typedef struct pkc_environment_options {
+    uint32_t struct_size;
+    int32_t count;        /* bins side by side, 1..65536 (1); together at most 2^24 cells */
+    int32_t bin_w, bin_h; /* what is played, as in pkc_trainer_options (10 x 10) */
+    int32_t least_side;   /* (1) */
+    int32_t most_side;    /* (5) */
+    int32_t items;        /* (0) */
+    int32_t rotation;     /* (PKC_ROTATION_OFF) */
+    double reward_fill;   /* (0) */
+} pkc_environment_options;
+PKC_API pkc_status pkc_environment_options_init(pkc_environment_options *options, size_t size);
+
+/* Empty bins, with the streams of seed 0. NULL options are the defaults. PKC_E_LIMIT if the bins
+ * have too many cells together; a bin takes some 4 KiB and 28 bytes a cell. Free with
+ * pkc_environment_free. */
+PKC_API pkc_status pkc_environment_create(const pkc_environment_options *options,
+                                          pkc_environment **out_environment);
+PKC_API void pkc_environment_free(pkc_environment *environment);
+PKC_API pkc_status pkc_environment_clone(const pkc_environment *environment,
+                                         pkc_environment **out_environment);
+
+/* What there is to choose from, and what was done. */
+typedef struct pkc_environment_info {
+    uint32_t struct_size;
+    int32_t count;        /* bins side by side */
+    int32_t bin_w, bin_h; /* cells */
+    int32_t actions;      /* W*H + 1, or 2*W*H + 1 where items may be turned */
+    int32_t closed;       /* bins that are closed now */
+    uint64_t steps;       /* items placed since the creation */
+    uint64_t bins;        /* bins closed since then */
+} pkc_environment_info;
+PKC_API pkc_status pkc_environment_info_init(pkc_environment_info *info, size_t size);
+PKC_API pkc_status pkc_environment_get_info(const pkc_environment *environment,
+                                            pkc_environment_info *info);
+
+/* Empties every bin. With one seed bin i gets its stream i, with a seed for each bin its stream 0;
+ * with `count` 0 (`seeds` may be NULL) the streams go on with the items that wait. Equal seeds give
+ * equal items on every machine, none of which pkc_policy_measure draws. */
+PKC_API pkc_status pkc_environment_reset(pkc_environment *environment, const uint64_t *seeds,
+                                         size_t count);
+
+/* Places an item into each bin: `count` actions, one a bin. Each of the outputs may be NULL, and
+ * else gets `count` values: the reward, (1 - reward_fill) * contact / 20 and, when the bin closes,
+ * reward_fill * its utilisation; the contact reward of paper eq. (3); 1 where the bin closed, else
+ * 0. A closed bin stays as it is until pkc_environment_open or _reset. All or nothing: PKC_E_STATE
+ * if a bin is closed, PKC_E_ARGUMENT if an action is not allowed, with the bin's index in
+ * pkc_last_error(). */
+PKC_API pkc_status pkc_environment_step(pkc_environment *environment, const int32_t *actions,
+                                        size_t count, double *out_rewards, int32_t *out_contacts,
+                                        uint8_t *out_closed_flags);
+
+/* Opens the next bin, empty, where one is closed; it begins with the item that closed it. */
+PKC_API pkc_status pkc_environment_open(pkc_environment *environment);
+
+/* What is seen of `count` bins: those of these `indices`, or all (`indices` NULL, `count` theirs).
+ * Each of the outputs may be NULL. A bin gets W*H bytes of cells by index, 1 where taken; the
+ * item's two sides, in cells; a byte for each action, 1 where it is allowed (the feasibility mask b
+ * of the paper); the number of its taken cells. */
+PKC_API pkc_status pkc_environment_observe(const pkc_environment *environment,
+                                           const int32_t *indices, size_t count, uint8_t *out_cells,
+                                           int32_t *out_sizes, uint8_t *out_mask,
+                                           int32_t *out_occupied_cells);
+
 /* ---- Planner --------------------------------------------------------------------------------- */
 
 #define PKC_METHOD_PAPER 1 /* Algorithms 1-3 of the paper as written */

@@ -113,6 +113,8 @@ using BinInfo = Versioned<pkc_bin_info, pkc_bin_info_init>;
 using QueueInfo = Versioned<pkc_queue_info, pkc_queue_info_init>;
 using Grid = Versioned<pkc_grid, pkc_grid_init>;
 using PolicyInfo = Versioned<pkc_policy_info, pkc_policy_info_init>;
+using EnvironmentOptions = Versioned<pkc_environment_options, pkc_environment_options_init>;
+using EnvironmentInfo = Versioned<pkc_environment_info, pkc_environment_info_init>;
 using TrainerOptions = Versioned<pkc_trainer_options, pkc_trainer_options_init>;
 using TrainerInfo = Versioned<pkc_trainer_info, pkc_trainer_info_init>;
 using PlannerOptions = Versioned<pkc_planner_options, pkc_planner_options_init>;
@@ -501,6 +503,75 @@ public:
         Measure measure{};
         check(pkc_trainer_measure(get(), rotation, seed, bins, &measure.mean, &measure.half_width));
         return measure;
+    }
+};
+
+// The low level as a decision process, many bins side by side.
+class Environment : public detail::Handle<pkc_environment, pkc_environment_free> {
+public:
+    using Handle::Handle;
+    explicit Environment(const pkc_environment_options &options = EnvironmentOptions()) {
+        check(pkc_environment_create(&options, out()));
+    }
+
+    Environment clone() const { return detail::made<Environment>(pkc_environment_clone, get()); }
+
+    EnvironmentInfo info() const {
+        return detail::got<EnvironmentInfo>(pkc_environment_get_info, get());
+    }
+
+    // Empty bins: the streams go on, begin anew from one seed, or from one for each bin.
+    void reset() { check(pkc_environment_reset(get(), nullptr, 0)); }
+    void reset(std::uint64_t seed) { check(pkc_environment_reset(get(), &seed, 1)); }
+    void reset(Span<const std::uint64_t> seeds) {
+        if (seeds.empty()) throw Error(PKC_E_ARGUMENT, "no seeds: must be one for each bin");
+        check(pkc_environment_reset(get(), seeds.data(), seeds.size()));
+    }
+
+    // Outputs hold a value a bin; an empty span is not asked for, one that is too small is an
+    // Error, and then nothing is placed.
+    void step(Span<const std::int32_t> actions, Span<double> rewards,
+              Span<std::int32_t> contacts = {}, Span<std::uint8_t> closed = {}) {
+        const std::size_t count = actions.size();
+        check(pkc_environment_step(get(), actions.data(), count, output(rewards, count),
+                                   output(contacts, count), output(closed, count)));
+    }
+    // The next bin where one is closed.
+    void open() { check(pkc_environment_open(get())); }
+
+    // W*H cells, two sides, info().actions mask bytes and a number of taken cells a bin.
+    void observe(Span<std::uint8_t> cells, Span<std::int32_t> sizes, Span<std::uint8_t> mask,
+                 Span<std::int32_t> occupied = {}) const {
+        observe_these(nullptr, static_cast<std::size_t>(info().count), cells, sizes, mask,
+                      occupied);
+    }
+    // The same of some of the bins.
+    void observe(Span<const std::int32_t> which, Span<std::uint8_t> cells, Span<std::int32_t> sizes,
+                 Span<std::uint8_t> mask, Span<std::int32_t> occupied) const {
+        if (!which.empty()) observe_these(which.data(), which.size(), cells, sizes, mask, occupied);
+    }
+
+private:
+    template <class T>
+    static T *output(Span<T> to, std::size_t least) {
+        if (to.empty()) return nullptr;
+        if (to.size() < least)
+            throw Error(PKC_E_CAPACITY, "an output for " + std::to_string(to.size()) +
+                                            " values: must hold " + std::to_string(least));
+        return to.data();
+    }
+
+    void observe_these(const std::int32_t *which, std::size_t count, Span<std::uint8_t> cells,
+                       Span<std::int32_t> sizes, Span<std::uint8_t> mask,
+                       Span<std::int32_t> occupied) const {
+        const EnvironmentInfo about = info();
+        const auto of_bin = [count](std::int32_t values) {
+            return count * static_cast<std::size_t>(values);
+        };
+        check(pkc_environment_observe(get(), which, count,
+                                      output(cells, of_bin(about.bin_w * about.bin_h)),
+                                      output(sizes, of_bin(2)), output(mask, of_bin(about.actions)),
+                                      output(occupied, count)));
     }
 };
 

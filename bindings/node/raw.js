@@ -16,6 +16,7 @@ const pkc_bin = koffi.opaque();
 const pkc_queue = koffi.opaque();
 const pkc_policy = koffi.opaque();
 const pkc_trainer = koffi.opaque();
+const pkc_environment = koffi.opaque();
 const pkc_planner = koffi.opaque();
 const pkc_cell = koffi.opaque();
 const pkc_schedule = koffi.opaque();
@@ -141,6 +142,29 @@ const pkc_trainer_info = koffi.struct({
   entropy: 'double',
   reward: 'double',
   utilization: 'double',
+});
+
+const pkc_environment_options = koffi.struct({
+  struct_size: 'uint32_t',
+  count: 'int32_t',
+  bin_w: 'int32_t',
+  bin_h: 'int32_t',
+  least_side: 'int32_t',
+  most_side: 'int32_t',
+  items: 'int32_t',
+  rotation: 'int32_t',
+  reward_fill: 'double',
+});
+
+const pkc_environment_info = koffi.struct({
+  struct_size: 'uint32_t',
+  count: 'int32_t',
+  bin_w: 'int32_t',
+  bin_h: 'int32_t',
+  actions: 'int32_t',
+  closed: 'int32_t',
+  steps: 'uint64_t',
+  bins: 'uint64_t',
 });
 
 const pkc_planner_options = koffi.struct({
@@ -296,6 +320,7 @@ raw.handles = {
   pkc_queue,
   pkc_policy,
   pkc_trainer,
+  pkc_environment,
   pkc_planner,
   pkc_cell,
   pkc_schedule,
@@ -315,6 +340,8 @@ raw.structs = {
   pkc_policy_info,
   pkc_trainer_options,
   pkc_trainer_info,
+  pkc_environment_options,
+  pkc_environment_info,
   pkc_planner_options,
   pkc_budget,
   pkc_plan_info,
@@ -534,6 +561,27 @@ raw.pkc_trainer_save_file = library.func('pkc_trainer_save_file', 'int32_t', [
   pointer(pkc_trainer), 'str']);
 raw.pkc_trainer_load_file = library.func('pkc_trainer_load_file', 'int32_t', ['str',
   out(pointer(pkc_trainer, 2))]);
+raw.pkc_environment_options_init = library.func('pkc_environment_options_init', 'int32_t', [
+  inout(pointer(pkc_environment_options)), 'size_t']);
+raw.pkc_environment_create = library.func('pkc_environment_create', 'int32_t', [
+  pointer(pkc_environment_options), out(pointer(pkc_environment, 2))]);
+raw.pkc_environment_free = library.func('pkc_environment_free', 'void', [pointer(pkc_environment)]);
+raw.pkc_environment_clone = library.func('pkc_environment_clone', 'int32_t', [
+  pointer(pkc_environment), out(pointer(pkc_environment, 2))]);
+raw.pkc_environment_info_init = library.func('pkc_environment_info_init', 'int32_t', [
+  inout(pointer(pkc_environment_info)), 'size_t']);
+raw.pkc_environment_get_info = library.func('pkc_environment_get_info', 'int32_t', [
+  pointer(pkc_environment), inout(pointer(pkc_environment_info))]);
+raw.pkc_environment_reset = library.func('pkc_environment_reset', 'int32_t', [
+  pointer(pkc_environment), pointer('uint64_t'), 'size_t']);
+raw.pkc_environment_step = library.func('pkc_environment_step', 'int32_t', [
+  pointer(pkc_environment), pointer('int32_t'), 'size_t', out(pointer('double')),
+  out(pointer('int32_t')), out(pointer('uint8_t'))]);
+raw.pkc_environment_open = library.func('pkc_environment_open', 'int32_t', [
+  pointer(pkc_environment)]);
+raw.pkc_environment_observe = library.func('pkc_environment_observe', 'int32_t', [
+  pointer(pkc_environment), pointer('int32_t'), 'size_t', out(pointer('uint8_t')),
+  out(pointer('int32_t')), out(pointer('uint8_t')), out(pointer('int32_t'))]);
 raw.pkc_planner_options_init = library.func('pkc_planner_options_init', 'int32_t', [
   inout(pointer(pkc_planner_options)), 'size_t']);
 raw.pkc_planner_create = library.func('pkc_planner_create', 'int32_t', [

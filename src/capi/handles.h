@@ -64,6 +64,21 @@ pkc_scenario to_c(const Scenario &scenario);
 pkc_budget checked_budget(const pkc_budget *budget);
 pkc_budget default_budget();
 
+// Of options that name what is played as pkc_trainer_options do.
+template <class Options>
+Protocol checked_protocol(const Options &o) {
+    require_range("rotation", o.rotation, PKC_ROTATION_OFF, PKC_ROTATION_MIXED);
+    const Protocol protocol = {o.bin_w,
+                               o.bin_h,
+                               o.least_side,
+                               o.most_side,
+                               o.items,
+                               o.rotation == PKC_ROTATION_ON,
+                               o.rotation == PKC_ROTATION_MIXED};
+    check_protocol(protocol);
+    return protocol;
+}
+
 template <>
 struct FirstLayout<pkc_bin_info> {
     static constexpr size_t size = 32;

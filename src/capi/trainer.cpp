@@ -59,19 +59,6 @@ TrainerOptions default_training() {
 
 pkc_trainer_options default_options() { return to_c(default_training()); }
 
-Protocol protocol_of(const pkc_trainer_options &o) {
-    require_range("rotation", o.rotation, PKC_ROTATION_OFF, PKC_ROTATION_MIXED);
-    const Protocol protocol = {o.bin_w,
-                               o.bin_h,
-                               o.least_side,
-                               o.most_side,
-                               o.items,
-                               o.rotation == PKC_ROTATION_ON,
-                               o.rotation == PKC_ROTATION_MIXED};
-    check_protocol(protocol);
-    return protocol;
-}
-
 TrainerOptions checked_options(const pkc_trainer_options &o) {
     require_range("learner", o.learner, PKC_LEARNER_A3C, PKC_LEARNER_AFTERSTATE);
     require_range("architecture", o.architecture, PKC_ARCH_ACTOR_CRITIC, PKC_ARCH_AFTERSTATE);
@@ -79,7 +66,7 @@ TrainerOptions checked_options(const pkc_trainer_options &o) {
     TrainerOptions options;
     options.learner = static_cast<LearnerKind>(o.learner);
     A3cOptions &a = options.a3c;
-    a.protocol = protocol_of(o);
+    a.protocol = checked_protocol(o);
     a.shape.architecture = static_cast<Architecture>(o.architecture);
     const bool any = o.architecture == PKC_ARCH_FULLY_CONVOLUTIONAL;
     a.shape.bin_w = any ? 0 : o.bin_w;
@@ -201,7 +188,7 @@ pkc_status pkc_trainer_measure(pkc_trainer *trainer, int32_t rotation, uint64_t 
         pkc_trainer_options options = to_c(use->training.options);
         options.rotation = rotation;
         const auto policy = make_learned_policy(weights_of(*trainer));
-        const Utilization measured = measure(*policy, protocol_of(options), seed, bins);
+        const Utilization measured = measure(*policy, checked_protocol(options), seed, bins);
         use->training.utilization = static_cast<float>(measured.mean);
         store(measured, out_mean, out_half_width);
     });
@@ -214,7 +201,8 @@ pkc_status pkc_policy_measure(const pkc_policy *policy, const pkc_trainer_option
         require(policy, "policy");
         require(out_mean, "out_mean");
         require_range("bins", whole(bins), 1, kMostBins);
-        const Protocol protocol = protocol_of(read_struct("options", options, default_options()));
+        const Protocol protocol =
+            checked_protocol(read_struct("options", options, default_options()));
         policy->policy->check_bin(protocol.bin_w, protocol.bin_h);
         store(measure(*policy->policy, protocol, seed, bins), out_mean, out_half_width);
     });

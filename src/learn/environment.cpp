@@ -53,7 +53,13 @@ Environment::Environment(const Protocol &protocol, uint64_t seed)
            static_cast<size_t>(protocol.bin_w) * static_cast<size_t>(protocol.bin_h)) {
     check_protocol(protocol);
     draw_item();
-    open_bin();
+    open();
+}
+
+void Environment::reseed(uint64_t seed) {
+    random_ = Random(seed);
+    draw_item();
+    open();
 }
 
 void Environment::draw_item() {
@@ -62,7 +68,7 @@ void Environment::draw_item() {
     item_.h = protocol_.least_side + static_cast<int>(random_.below(sides));
 }
 
-void Environment::open_bin() {
+void Environment::open() {
     bin_.clear();
     offered_ = 1;
     rotation_ = protocol_.mixed ? random_.below(2) != 0 : protocol_.rotation;
@@ -74,7 +80,7 @@ bool Environment::fits(Size size) const {
     return positions.any();
 }
 
-Environment::Outcome Environment::place(int position, bool turned) {
+Environment::Outcome Environment::pack(int position, bool turned) {
     const Size size = turned ? Size{item_.h, item_.w} : item_;
     const Rect rect = {position % bin_.w(), position / bin_.w(), size.w, size.h};
     Outcome outcome = {bin_.contact(rect), false, 0};
@@ -91,7 +97,12 @@ Environment::Outcome Environment::place(int position, bool turned) {
         }
         outcome.closed = true;
     }
-    if (outcome.closed) open_bin();
+    return outcome;
+}
+
+Environment::Outcome Environment::place(int position, bool turned) {
+    const Outcome outcome = pack(position, turned);
+    if (outcome.closed) open();
     return outcome;
 }
 

@@ -53,12 +53,22 @@ public:
 
     struct Outcome {
         int contact;   // reward of eq. (3)
-        bool closed;   // the bin closed after this item; the next one is open and empty
-        int occupied;  // cells of it when it closed, else now
+        bool closed;   // the bin closed after this item
+        int occupied;  // cells of it
     };
 
-    // The item goes to a feasible position x + y * W.
+    // The item goes to a feasible position x + y * W. A bin that closes stays as it is, and item()
+    // is the one that closed it or comes next, until open().
+    Outcome pack(int position, bool turned);
+
+    // The next bin, empty; it begins with item().
+    void open();
+
+    // Both: where a bin closes the next one is open and empty.
     Outcome place(int position, bool turned);
+
+    // Begins another stream, with an empty bin.
+    void reseed(uint64_t seed);
 
     void save(ByteWriter &out) const;
     void restore(ByteReader &in);
@@ -67,8 +77,6 @@ private:
     void draw_item();
     bool fits(Size size) const;
     bool fits_now() const { return fits(item_) || (turns() && fits({item_.h, item_.w})); }
-    void open_bin();
-
     Protocol protocol_;
     Random random_;
     Bin bin_;

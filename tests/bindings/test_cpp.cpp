@@ -507,6 +507,46 @@ void a_planner_that_plans_is_busy_and_can_be_cancelled(void **) {
     if (planned) assert_false(planner.actions().empty());
 }
 
+void environments_are_stepped_and_seen(void **) {
+    packcell::EnvironmentOptions options;
+    options.count = 3;
+    options.rotation = PKC_ROTATION_ON;
+    packcell::Environment environment(options);
+    const auto actions = static_cast<std::size_t>(environment.info().actions);
+    assert_int_equal(actions, 201);
+    environment.reset(7);
+    std::vector<std::uint8_t> cells(300), mask(3 * actions), closed(3), one_mask(actions);
+    std::vector<std::int32_t> sizes(6), occupied(3), chosen(3), contacts(3), which = {1};
+    std::vector<double> rewards(3);
+    for (int steps = 0; steps < 50; ++steps) {
+        environment.observe(cells, sizes, mask, occupied);
+        environment.observe(which, {}, {}, one_mask, {});
+        assert_memory_equal(one_mask.data(), mask.data() + actions, actions);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto row = mask.begin() + static_cast<std::ptrdiff_t>(i * actions);
+            chosen[i] = static_cast<std::int32_t>(std::find(row, row + 201, 1) - row);
+        }
+        environment.step(chosen, rewards, contacts, closed);
+        for (std::size_t i = 0; i < 3; ++i)
+            assert_true(std::abs(rewards[i] - contacts[i] / 20.0) < 1e-12);
+        environment.open();
+    }
+    assert_int_equal(environment.info().steps, 150);
+    assert_true(environment.info().bins > 0);
+    environment.reset();
+    const std::vector<std::uint64_t> seeds = {1, 2, 3};
+    environment.reset(seeds);
+    std::vector<double> few(2);
+    chosen.assign(3, 0);
+    expect_error([&] { environment.step(chosen, few); }, PKC_E_CAPACITY, "must hold 3");
+    expect_error([&] { environment.observe(cells, {}, one_mask); }, PKC_E_CAPACITY, "must hold");
+    expect_error([&] { environment.reset(packcell::Span<const std::uint64_t>()); }, PKC_E_ARGUMENT,
+                 "no seeds");
+    assert_int_equal(environment.info().steps, 150);
+    environment.step(chosen, rewards);
+    expect_error([&] { environment.step(chosen, rewards); }, PKC_E_ARGUMENT, "action 0 of bin 0");
+}
+
 }  // namespace
 
 int main() {
@@ -520,6 +560,7 @@ int main() {
         cmocka_unit_test(policies_are_saved_loaded_and_asked_in_batches),
         cmocka_unit_test(a_plan_in_slices_is_the_same),
         cmocka_unit_test(generators_and_millimetres),
+        cmocka_unit_test(environments_are_stepped_and_seen),
         cmocka_unit_test(a_step_is_scheduled_and_simulated),
         cmocka_unit_test(a_handle_in_two_threads_is_busy_for_one),
         cmocka_unit_test(a_planner_that_plans_is_busy_and_can_be_cancelled),

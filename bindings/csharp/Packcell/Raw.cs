@@ -167,6 +167,21 @@ namespace Packcell
             }
         }
 
+        // pkc_environment_free runs when it is disposed of or forgotten, once no call uses it any more. A new
+        // one is NULL.
+        public sealed class pkc_environment : SafeHandle
+        {
+            public pkc_environment() : base(IntPtr.Zero, true) { }
+
+            public override bool IsInvalid { get { return handle == IntPtr.Zero; } }
+
+            protected override bool ReleaseHandle()
+            {
+                pkc_environment_free(handle);
+                return true;
+            }
+        }
+
         // pkc_planner_free runs when it is disposed of or forgotten, once no call uses it any more. A new
         // one is NULL.
         public sealed class pkc_planner : SafeHandle
@@ -667,6 +682,33 @@ namespace Packcell
         }
 
         [StructLayout(LayoutKind.Sequential)]
+        public struct pkc_environment_options
+        {
+            public uint struct_size;
+            public int count;
+            public int bin_w;
+            public int bin_h;
+            public int least_side;
+            public int most_side;
+            public int items;
+            public int rotation;
+            public double reward_fill;
+        }
+
+        [StructLayout(LayoutKind.Sequential)]
+        public struct pkc_environment_info
+        {
+            public uint struct_size;
+            public int count;
+            public int bin_w;
+            public int bin_h;
+            public int actions;
+            public int closed;
+            public ulong steps;
+            public ulong bins;
+        }
+
+        [StructLayout(LayoutKind.Sequential)]
         public struct pkc_planner_options
         {
             public uint struct_size;
@@ -1066,6 +1108,46 @@ namespace Packcell
 
         [DllImport(Library, CallingConvention = C)]
         public static extern int pkc_trainer_load_file(string path, out pkc_trainer out_trainer);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_options_init(ref pkc_environment_options options,
+            ulong size);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_create(ref pkc_environment_options options,
+            out pkc_environment out_environment);
+
+        [DllImport(Library, CallingConvention = C)]
+        private static extern void pkc_environment_free(IntPtr handle);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_clone(pkc_environment environment,
+            out pkc_environment out_environment);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_info_init(ref pkc_environment_info info,
+            ulong size);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_get_info(pkc_environment environment,
+            ref pkc_environment_info info);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_reset(pkc_environment environment, ulong[] seeds,
+            ulong count);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_step(pkc_environment environment, int[] actions,
+            ulong count, [In, Out] double[] out_rewards, [In, Out] int[] out_contacts,
+            [In, Out] byte[] out_closed_flags);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_open(pkc_environment environment);
+
+        [DllImport(Library, CallingConvention = C)]
+        public static extern int pkc_environment_observe(pkc_environment environment,
+            int[] indices, ulong count, [In, Out] byte[] out_cells, [In, Out] int[] out_sizes,
+            [In, Out] byte[] out_mask, [In, Out] int[] out_occupied_cells);
 
         [DllImport(Library, CallingConvention = C)]
         public static extern int pkc_planner_options_init(ref pkc_planner_options options,

@@ -10,6 +10,7 @@ the loader's. packcell.env has environments for learning, packcell.plot draws.
 """
 from .bin import Bin, BinInfo
 from .cell import MAX_JOINTS, Cell, CellInfo, LayoutInfo, allocate
+from .environment import Environment, EnvironmentInfo, Observation, StepOutcome
 from .errors import (ArgumentError, BusyError, CapacityError, ClosedError, FileError, FormatError,
                      InternalError, LimitError, OutOfMemoryError, PackcellError, StateError, Status,
                      StructError, UnsupportedError)
@@ -31,14 +32,14 @@ __version__ = "0.1.0"
 __all__ = [
     "Action", "Activity", "Architecture", "ArgumentError", "ArmSample", "ArmTimes",
     "BatchEvaluation", "Bin", "BinInfo", "Bound", "Budget", "BusyError", "CELL_FIXED", "CELL_FREE",
-    "CapacityError", "Cell", "CellInfo", "ClosedError", "Evaluation", "ExactPacking", "FileError",
-    "FormatError", "Generate", "Generator", "Grid", "InternalError", "Item", "ItemFlag",
-    "LayoutInfo", "Learner", "LimitError", "MAX_JOINTS", "MAX_SIDE", "Measurement", "Method",
-    "Mode", "Op", "OutOfMemoryError", "Outcome", "PackcellError", "Packing", "Place", "Placement",
-    "Plan", "PlanInfo", "Planner", "Policy", "PolicyInfo", "Proof", "Queue", "QueueInfo", "Queued",
-    "Repack", "Rotation", "SELECT_ALL", "SELECT_AUTO", "Scenario", "Schedule", "ScheduleInfo",
-    "Simulation", "SimulationInfo", "StateError", "Status", "StructError", "Trace", "Trainer",
-    "TrainerInfo", "TrainerOptions", "UNLIMITED", "UnsupportedError", "Wait", "allocate",
-    "apply_step", "bound_in_order", "exact_pack", "load_snapshot", "plan_hash", "save_snapshot",
-    "version",
+    "CapacityError", "Cell", "CellInfo", "ClosedError", "Environment", "EnvironmentInfo",
+    "Evaluation", "ExactPacking", "FileError", "FormatError", "Generate", "Generator", "Grid",
+    "InternalError", "Item", "ItemFlag", "LayoutInfo", "Learner", "LimitError", "MAX_JOINTS",
+    "MAX_SIDE", "Measurement", "Method", "Mode", "Observation", "Op", "OutOfMemoryError", "Outcome",
+    "PackcellError", "Packing", "Place", "Placement", "Plan", "PlanInfo", "Planner", "Policy",
+    "PolicyInfo", "Proof", "Queue", "QueueInfo", "Queued", "Repack", "Rotation", "SELECT_ALL",
+    "SELECT_AUTO", "Scenario", "Schedule", "ScheduleInfo", "Simulation", "SimulationInfo",
+    "StateError", "Status", "StepOutcome", "StructError", "Trace", "Trainer", "TrainerInfo",
+    "TrainerOptions", "UNLIMITED", "UnsupportedError", "Wait", "allocate", "apply_step",
+    "bound_in_order", "exact_pack", "load_snapshot", "plan_hash", "save_snapshot", "version",
 ]

@@ -135,6 +135,10 @@ class pkc_trainer(Structure):
     pass
 
 
+class pkc_environment(Structure):
+    pass
+
+
 class pkc_planner(Structure):
     pass
 
@@ -295,6 +299,33 @@ class pkc_trainer_info(Structure):
         ("entropy", c_double),
         ("reward", c_double),
         ("utilization", c_double),
+    ]
+
+
+class pkc_environment_options(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("count", c_int32),
+        ("bin_w", c_int32),
+        ("bin_h", c_int32),
+        ("least_side", c_int32),
+        ("most_side", c_int32),
+        ("items", c_int32),
+        ("rotation", c_int32),
+        ("reward_fill", c_double),
+    ]
+
+
+class pkc_environment_info(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("count", c_int32),
+        ("bin_w", c_int32),
+        ("bin_h", c_int32),
+        ("actions", c_int32),
+        ("closed", c_int32),
+        ("steps", c_uint64),
+        ("bins", c_uint64),
     ]
 
 
@@ -474,6 +505,7 @@ HANDLES = (pkc_bin,
            pkc_queue,
            pkc_policy,
            pkc_trainer,
+           pkc_environment,
            pkc_planner,
            pkc_cell,
            pkc_schedule,
@@ -490,6 +522,8 @@ STRUCTS = (pkc_item,
            pkc_policy_info,
            pkc_trainer_options,
            pkc_trainer_info,
+           pkc_environment_options,
+           pkc_environment_info,
            pkc_planner_options,
            pkc_budget,
            pkc_plan_info,
@@ -623,6 +657,27 @@ pkc_policy_measure = _function(
 pkc_trainer_save_file = _function("pkc_trainer_save_file", c_int32, POINTER(pkc_trainer), c_char_p)
 pkc_trainer_load_file = _function(
     "pkc_trainer_load_file", c_int32, c_char_p, POINTER(POINTER(pkc_trainer)))
+pkc_environment_options_init = _function(
+    "pkc_environment_options_init", c_int32, POINTER(pkc_environment_options), c_size_t)
+pkc_environment_create = _function(
+    "pkc_environment_create", c_int32, POINTER(pkc_environment_options),
+    POINTER(POINTER(pkc_environment)))
+pkc_environment_free = _function("pkc_environment_free", None, POINTER(pkc_environment))
+pkc_environment_clone = _function(
+    "pkc_environment_clone", c_int32, POINTER(pkc_environment), POINTER(POINTER(pkc_environment)))
+pkc_environment_info_init = _function(
+    "pkc_environment_info_init", c_int32, POINTER(pkc_environment_info), c_size_t)
+pkc_environment_get_info = _function(
+    "pkc_environment_get_info", c_int32, POINTER(pkc_environment), POINTER(pkc_environment_info))
+pkc_environment_reset = _function(
+    "pkc_environment_reset", c_int32, POINTER(pkc_environment), POINTER(c_uint64), c_size_t)
+pkc_environment_step = _function(
+    "pkc_environment_step", c_int32, POINTER(pkc_environment), POINTER(c_int32), c_size_t,
+    POINTER(c_double), POINTER(c_int32), POINTER(c_uint8))
+pkc_environment_open = _function("pkc_environment_open", c_int32, POINTER(pkc_environment))
+pkc_environment_observe = _function(
+    "pkc_environment_observe", c_int32, POINTER(pkc_environment), POINTER(c_int32), c_size_t,
+    POINTER(c_uint8), POINTER(c_int32), POINTER(c_uint8), POINTER(c_int32))
 pkc_planner_options_init = _function(
     "pkc_planner_options_init", c_int32, POINTER(pkc_planner_options), c_size_t)
 pkc_planner_create = _function(

@@ -6,7 +6,7 @@ import unittest
 from setting import numpy
 
 import packcell
-from packcell.env import PackingEnv
+from packcell.env import PackingEnv, VectorPackingEnv
 
 try:
     import gymnasium
@@ -19,12 +19,16 @@ PROTOCOLS = [
     {"w": 5, "h": 4, "most_side": 4, "items": 12, "reward_fill": 1.0},
     {"w": 4, "h": 4, "most_side": 2, "items": 40},
     {"w": 20, "h": 33, "most_side": 10},
-    {"w": 62, "h": 31, "least_side": 8, "most_side": 20, "rotation": True},
+    {"w": 128, "h": 31, "least_side": 8, "most_side": 20, "rotation": True},
 ]
 
 
 def allowed(mask):
     return [at for at, bit in enumerate(mask) if bit]
+
+
+def taken(observation):
+    return int(sum(map(sum, observation["bin"])))
 
 
 def added(infos, info, i, count):
@@ -53,11 +57,12 @@ class PackingEnvTest(unittest.TestCase):
             for _ in range(1000):
                 actions = allowed(info["action_mask"])
                 self.assertNotIn(env.protocol.positions, actions)
-                before = env.bin.info.occupied_cells
+                before = taken(observation)
                 w, h = map(int, observation["item"])
                 observation, reward, terminated, truncated, info = env.step(chooser.choice(actions))
-                self.assertEqual(env.bin.info.occupied_cells, before + w * h)
-                self.assertEqual(sum(map(sum, observation["bin"])), before + w * h)
+                self.assertEqual(taken(observation), before + w * h)
+                cells = env.protocol.w * env.protocol.h
+                self.assertEqual(info["utilization"], taken(observation) / cells)
                 self.assertFalse(truncated)
                 total += reward
                 if terminated:
@@ -92,21 +97,29 @@ class PackingEnvTest(unittest.TestCase):
     def test_a_copy_plays_on_its_own(self):
         env = PackingEnv()
         _, info = env.reset(seed=4)
-        env.step(allowed(info["action_mask"])[0])
+        observation, _, _, _, info = env.step(allowed(info["action_mask"])[0])
         other = copy.deepcopy(env)
-        for one in (other, env):
-            before = one.bin.info.occupied_cells
-            observation = one.step(allowed(one._mask)[-1])[0]
-            self.assertGreater(one.bin.info.occupied_cells, before)
-            self.assertEqual(sum(map(sum, observation["bin"])), one.bin.info.occupied_cells)
+        action = allowed(info["action_mask"])[-1]
+        one, two = env.step(action), other.step(action)
+        self.assertGreater(taken(one[0]), taken(observation))
+        self.assertEqual(taken(one[0]), taken(two[0]))
+        self.assertEqual(list(one[0]["item"]), list(two[0]["item"]))
+        env.reset()
+        self.assertEqual(other.environment.info.steps, 2)
+        self.assertEqual(sum(map(sum, other.environment.observe().cells[0])), taken(two[0]))
 
-    def test_the_mask_is_the_librarys(self):
+    def test_the_mask_is_a_bin_s(self):
         env = PackingEnv(7, 5, most_side=5, rotation=True)
         observation, info = env.reset(seed=2)
         closed = False
         while not closed:
+            bin = packcell.Bin(7, 5)
+            for y, row in enumerate(observation["bin"]):
+                for x, cell in enumerate(row):
+                    if cell:
+                        bin.block(x, y, 1, 1)
             w, h = map(int, observation["item"])
-            upright, turned = (list(map(int, env.bin.feasible(*size)))[:-1]
+            upright, turned = (list(map(int, bin.feasible(*size)))[:-1]
                                for size in ((w, h), (h, w)))
             if w == h:
                 turned = [0] * len(turned)  # the same places again
@@ -114,19 +127,18 @@ class PackingEnvTest(unittest.TestCase):
             observation, _, closed, _, info = env.step(allowed(info["action_mask"])[-1])
 
     def test_a_step_that_was_interrupted_asks_for_a_reset(self):
-        def busy():
+        def busy(_):
             raise packcell.BusyError(packcell.Status.BUSY, "another thread looks at the bin")
         env = PackingEnv()
         _, info = env.reset(seed=1)
-        fits, env._fits = env._fits, busy
+        told, env._told = env._told, busy
         at = allowed(info["action_mask"])[0]
         with self.assertRaises(packcell.BusyError):
             env.step(at)
-        env._fits = fits
+        env._told = told
         with self.assertRaises(packcell.StateError):
             env.step(at)
-        env.reset()
-        self.assertEqual(env.bin.info.occupied_cells, 0)
+        self.assertEqual(taken(env.reset()[0]), 0)
 
     def test_it_closes_at_the_end_of_a_with(self):
         with PackingEnv() as env:
@@ -169,14 +181,13 @@ class PackingEnvTest(unittest.TestCase):
         self.assertEqual(env.render(), "...\n...\n...")
         self.assertEqual(env.action_space.sample(mask=info["action_mask"]), 0)
         env.step(0)
-        self.assertEqual(env.render(), "AAA\nAAA\nAAA")
+        self.assertEqual(env.render(), "###\n###\n###")
         self.assertEqual(env.action_space.n, 10)
 
 
 @unittest.skipIf(numpy is None, "NumPy is not here")
 class VectorPackingEnvTest(unittest.TestCase):
     def test_it_plays_like_single_ones(self):
-        from packcell.env import VectorPackingEnv
         chooser = random.Random(2)
         for protocol in PROTOCOLS:
             many = VectorPackingEnv(4, **protocol)
@@ -224,7 +235,6 @@ class VectorPackingEnvTest(unittest.TestCase):
                     self.assert_alike(one, other)
 
     def test_what_is_given_out_is_the_callers(self):
-        from packcell.env import VectorPackingEnv
         env, same = VectorPackingEnv(2, most_side=9), VectorPackingEnv(2, most_side=9)
         _, twin = same.reset(seed=1)
         given = env.reset(seed=1)
@@ -239,7 +249,6 @@ class VectorPackingEnvTest(unittest.TestCase):
             self.assert_alike(given[-1], expected[-1])
 
     def test_streams_differ_and_repeat(self):
-        from packcell.env import VectorPackingEnv
         env = VectorPackingEnv(64)
         items = env.reset(seed=1)[0]["item"]
         self.assertGreater(len(set(map(tuple, items))), 10)
@@ -252,7 +261,6 @@ class VectorPackingEnvTest(unittest.TestCase):
         self.assertTrue((items[3] == PackingEnv().reset(seed=3)[0]["item"]).all())
 
     def test_bad_input(self):
-        from packcell.env import VectorPackingEnv
         env = VectorPackingEnv(2)
         with self.assertRaises(packcell.StateError):
             env.step(numpy.zeros(2, int))
@@ -267,7 +275,7 @@ class VectorPackingEnvTest(unittest.TestCase):
         for seed in ("ab", 1.5, [1, None], numpy.zeros(2)):
             with self.assertRaises(TypeError):
                 env.reset(seed=seed)
-        for wrong in ({"num_envs": 0}, {"num_envs": 2, "w": 63}, {"num_envs": 2, "items": -1}):
+        for wrong in ({"num_envs": 0}, {"num_envs": 2, "w": 129}, {"num_envs": 65537}, {"num_envs": 2, "items": -1}):
             with self.assertRaises(packcell.ArgumentError):
                 VectorPackingEnv(**wrong)
         self.assertTrue(env.step(numpy.zeros(2, numpy.int64))[1].all())
@@ -297,7 +305,6 @@ class GymnasiumTest(unittest.TestCase):
             self.assertIsInstance(env.render(), str)
 
     def test_a_vectorised_one(self):
-        from packcell.env import VectorPackingEnv
         env = VectorPackingEnv(5, 6, 4, most_side=4)
         self.assertIsInstance(env, gymnasium.vector.VectorEnv)
         self.assertEqual(env.metadata["autoreset_mode"], gymnasium.vector.AutoresetMode.SAME_STEP)
@@ -323,11 +330,89 @@ class GymnasiumTest(unittest.TestCase):
         self.assertTrue(env.closed)
 
 
+class EnvironmentTest(unittest.TestCase):
+    def test_steps_and_observations(self):
+        environment = packcell.Environment(3, 4, 5, most_side=4, rotation=packcell.Rotation.MIXED)
+        environment.reset(seed=5)
+        for _ in range(60):
+            seen = environment.observe()
+            some = environment.observe([2, 0])
+            for found, index in zip(range(2), (2, 0)):
+                for one, all_of_them in zip(some, seen):
+                    self.assertEqual(self.plain(one[found]), self.plain(all_of_them[index]))
+            before = self.plain(seen.occupied)
+            rewards, contacts, closed = environment.step([allowed(m)[0] for m in seen.mask])
+            for i, (w, h) in enumerate(self.plain(seen.sizes)):
+                self.assertAlmostEqual(rewards[i], contacts[i] / 20)
+                self.assertEqual(environment.observe().occupied[i], before[i] + w * h)
+            self.assertEqual(environment.info.closed, sum(map(int, closed)))
+            if any(closed):
+                with self.assertRaisesRegex(packcell.StateError, "is closed"):
+                    environment.step([0, 0, 0])
+            environment.open()
+        self.assertEqual(environment.info.steps, 180)
+        self.assertGreater(environment.info.bins, 10)
+
+    @staticmethod
+    def plain(array):
+        return array if numpy is None else numpy.asarray(array).tolist()
+
+    def test_seeds(self):
+        environment = packcell.Environment(4)
+        environment.reset(seeds=[3, 4, 5, 3])
+        sizes = self.plain(environment.observe().sizes)
+        self.assertEqual(sizes[0], sizes[3])
+        environment.reset(seed=3)
+        self.assertEqual(self.plain(environment.observe().sizes)[0], sizes[0])
+        environment.reset()
+        self.assertEqual(self.plain(environment.observe().sizes)[0], sizes[0])
+        for wrong in ([], [1], [1, 2, 3, -1]):
+            with self.assertRaises(packcell.ArgumentError):
+                environment.reset(seeds=wrong)
+
+    def test_a_clone_plays_on_from_there(self):
+        environment = packcell.Environment(2)
+        environment.step([0, 0])
+        clone = copy.copy(environment)
+        environment.close()
+        self.assertEqual(clone.info.steps, 2)
+        self.assertEqual(self.plain(clone.observe().cells)[1][0][0], 1)
+
+    def test_bad_input(self):
+        for wrong, told in (({"count": 0}, "count 0: must be 1..65536"), ({"w": 0}, "bin w 0"),
+                            ({"reward_fill": float("nan")}, "reward_fill"),
+                            ({"rotation": 3}, "rotation 3: must be 0..2")):
+            with self.assertRaisesRegex(packcell.ArgumentError, told):
+                packcell.Environment(**wrong)
+        with self.assertRaisesRegex(packcell.LimitError, "at most 16777216 cells in all"):
+            packcell.Environment(65536, 17, 17)
+        environment = packcell.Environment(2)
+        for actions in ([0], [0, 101], [0, 1 << 31], [], (-1, 0)):
+            with self.assertRaises(packcell.ArgumentError):
+                environment.step(actions)
+        for actions in ("ab", [0, None], 3):
+            with self.assertRaises(TypeError):
+                environment.step(actions)
+        with self.assertRaisesRegex(packcell.ArgumentError, "index 2: must be 0..1"):
+            environment.observe([2])
+        if numpy is not None:
+            for actions in (numpy.array([0, 1 << 40]), numpy.zeros((2, 1), int)):
+                with self.assertRaises(packcell.ArgumentError):
+                    environment.step(actions)
+            with self.assertRaises(TypeError):
+                environment.step(numpy.zeros(2))
+        self.assertEqual(environment.info.steps, 0)
+        environment.close()
+        for call in (environment.observe, environment.open, lambda: environment.step([0, 0])):
+            with self.assertRaises(packcell.ClosedError):
+                call()
+
+
 @unittest.skipUnless(numpy is None, "NumPy is here")
 class WithoutNumpyTest(unittest.TestCase):
     def test_the_vectorised_one_says_what_it_needs(self):
-        with self.assertRaises(ImportError):
-            from packcell.env import VectorPackingEnv  # noqa: F401
+        with self.assertRaisesRegex(ImportError, "needs NumPy"):
+            VectorPackingEnv(2)
 
 
 if __name__ == "__main__":

@@ -115,6 +115,12 @@ pub struct pkc_trainer {
 }
 
 #[repr(C)]
+pub struct pkc_environment {
+    _data: [u8; 0],
+    _marker: PhantomData<(*mut u8, PhantomPinned)>,
+}
+
+#[repr(C)]
 pub struct pkc_planner {
     _data: [u8; 0],
     _marker: PhantomData<(*mut u8, PhantomPinned)>,
@@ -285,6 +291,33 @@ pub struct pkc_trainer_info {
     pub entropy: f64,
     pub reward: f64,
     pub utilization: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct pkc_environment_options {
+    pub struct_size: u32,
+    pub count: i32,
+    pub bin_w: i32,
+    pub bin_h: i32,
+    pub least_side: i32,
+    pub most_side: i32,
+    pub items: i32,
+    pub rotation: i32,
+    pub reward_fill: f64,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct pkc_environment_info {
+    pub struct_size: u32,
+    pub count: i32,
+    pub bin_w: i32,
+    pub bin_h: i32,
+    pub actions: i32,
+    pub closed: i32,
+    pub steps: u64,
+    pub bins: u64,
 }
 
 #[repr(C)]
@@ -688,6 +721,47 @@ extern "C" {
     pub fn pkc_trainer_load_file(
         path: *const c_char,
         out_trainer: *mut *mut pkc_trainer,
+    ) -> pkc_status;
+    pub fn pkc_environment_options_init(
+        options: *mut pkc_environment_options,
+        size: usize,
+    ) -> pkc_status;
+    pub fn pkc_environment_create(
+        options: *const pkc_environment_options,
+        out_environment: *mut *mut pkc_environment,
+    ) -> pkc_status;
+    pub fn pkc_environment_free(environment: *mut pkc_environment);
+    pub fn pkc_environment_clone(
+        environment: *const pkc_environment,
+        out_environment: *mut *mut pkc_environment,
+    ) -> pkc_status;
+    pub fn pkc_environment_info_init(info: *mut pkc_environment_info, size: usize) -> pkc_status;
+    pub fn pkc_environment_get_info(
+        environment: *const pkc_environment,
+        info: *mut pkc_environment_info,
+    ) -> pkc_status;
+    pub fn pkc_environment_reset(
+        environment: *mut pkc_environment,
+        seeds: *const u64,
+        count: usize,
+    ) -> pkc_status;
+    pub fn pkc_environment_step(
+        environment: *mut pkc_environment,
+        actions: *const i32,
+        count: usize,
+        out_rewards: *mut f64,
+        out_contacts: *mut i32,
+        out_closed_flags: *mut u8,
+    ) -> pkc_status;
+    pub fn pkc_environment_open(environment: *mut pkc_environment) -> pkc_status;
+    pub fn pkc_environment_observe(
+        environment: *const pkc_environment,
+        indices: *const i32,
+        count: usize,
+        out_cells: *mut u8,
+        out_sizes: *mut i32,
+        out_mask: *mut u8,
+        out_occupied_cells: *mut i32,
     ) -> pkc_status;
     pub fn pkc_planner_options_init(options: *mut pkc_planner_options, size: usize) -> pkc_status;
     pub fn pkc_planner_create(

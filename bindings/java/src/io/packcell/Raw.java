@@ -245,6 +245,33 @@ public interface Raw extends Library {
         public double utilization;
     }
 
+    @Structure.FieldOrder({"struct_size", "count", "bin_w", "bin_h", "least_side", "most_side",
+            "items", "rotation", "reward_fill"})
+    class pkc_environment_options extends Structure {
+        public int struct_size;
+        public int count;
+        public int bin_w;
+        public int bin_h;
+        public int least_side;
+        public int most_side;
+        public int items;
+        public int rotation;
+        public double reward_fill;
+    }
+
+    @Structure.FieldOrder({"struct_size", "count", "bin_w", "bin_h", "actions", "closed", "steps",
+            "bins"})
+    class pkc_environment_info extends Structure {
+        public int struct_size;
+        public int count;
+        public int bin_w;
+        public int bin_h;
+        public int actions;
+        public int closed;
+        public long steps;
+        public long bins;
+    }
+
     @Structure.FieldOrder({"struct_size", "method", "rotation", "repack", "select",
             "buffer_capacity", "skip", "max_side", "max_items", "max_known", "memory"})
     class pkc_planner_options extends Structure {
@@ -426,6 +453,8 @@ public interface Raw extends Library {
             pkc_policy_info.class,
             pkc_trainer_options.class,
             pkc_trainer_info.class,
+            pkc_environment_options.class,
+            pkc_environment_info.class,
             pkc_planner_options.class,
             pkc_budget.class,
             pkc_plan_info.class,
@@ -583,6 +612,28 @@ public interface Raw extends Library {
     int pkc_trainer_save_file(Pointer trainer, byte[] path);
 
     int pkc_trainer_load_file(byte[] path, PointerByReference out_trainer);
+
+    int pkc_environment_options_init(pkc_environment_options options, long size);
+
+    int pkc_environment_create(pkc_environment_options options, PointerByReference out_environment);
+
+    void pkc_environment_free(Pointer environment);
+
+    int pkc_environment_clone(Pointer environment, PointerByReference out_environment);
+
+    int pkc_environment_info_init(pkc_environment_info info, long size);
+
+    int pkc_environment_get_info(Pointer environment, pkc_environment_info info);
+
+    int pkc_environment_reset(Pointer environment, long[] seeds, long count);
+
+    int pkc_environment_step(Pointer environment, int[] actions, long count, double[] out_rewards,
+            int[] out_contacts, byte[] out_closed_flags);
+
+    int pkc_environment_open(Pointer environment);
+
+    int pkc_environment_observe(Pointer environment, int[] indices, long count, byte[] out_cells,
+            int[] out_sizes, byte[] out_mask, int[] out_occupied_cells);
 
     int pkc_planner_options_init(pkc_planner_options options, long size);
 
