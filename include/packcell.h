@@ -9,17 +9,24 @@
  *  - It returns a pkc_status, unless it frees or gives a name. PKC_OK is 0; a failing call leaves
  *    every out-parameter untouched (but see arrays, below), and pkc_last_error() says which value
  *    was wrong and what is allowed.
+ *  - NULL, where the comment does not allow it, and a value outside its range are PKC_E_ARGUMENT;
+ *    PKC_E_MEMORY may come from every call that makes or fills something. The comment names the
+ *    other errors, but for PKC_E_BUSY, PKC_E_STRUCT and PKC_E_CAPACITY as told below.
  *  - Lengths are in bin cells: x to the right, y down, origin at the top-left cell, cell index
  *    x + y * W. Items are w x h cells; `rot` 1 turns an item by a quarter, which swaps w and h.
- *  - Handles come from a `create` or `load` call and go back to the matching `free`, which takes
- *    NULL too. A handle belongs to one thread at a time: a second thread gets PKC_E_BUSY. A
- *    pkc_policy is immutable and may be shared by threads.
+ *  - Whoever gets a handle through a pkc_x ** owns it and gives it back to pkc_x_free, which takes
+ *    NULL too. A `_clone` is a copy of its own. A handle belongs to one thread at a time: a second
+ *    thread gets PKC_E_BUSY. A pkc_policy, pkc_cell and pkc_simulation do not change and may be
+ *    shared by threads.
  *  - A handle keeps alive what it needs; handles may be freed in any order.
- *  - Arrays are the caller's. A function that fills one takes its capacity in elements and stores
- *    the number of elements there are; with too small an array it stores nothing but that number
- *    and returns PKC_E_CAPACITY. NULL with capacity 0 asks for the number.
- *  - Option and info structs begin with struct_size; fill them by their `_init` function first, so
- *    that a program built today runs against a later library.
+ *  - Arrays are the caller's, and so is text, which is copied. A function that fills an array takes
+ *    its capacity in elements and stores the number of elements there are; with too small an array
+ *    it stores nothing but that number and returns PKC_E_CAPACITY. So NULL with capacity 0 asks for
+ *    the number: PKC_E_CAPACITY, or PKC_OK where it is 0.
+ *  - Option and info structs begin with struct_size; fill them by their `_init` function first,
+ *    which sets the defaults (zeros in an info struct) and gets the sizeof, so that a program built
+ *    today runs against a later library. PKC_E_STRUCT: that was left out, or a field is set that
+ *    this library does not know.
  *  - Nothing is printed, no file is touched but the one that a `_file` call names, no thread is
  *    started but by pkc_trainer_run, which ends with them; the text of pkc_last_error(), one a
  *    thread, is the only state outside the handles.
@@ -53,7 +60,7 @@ extern "C" {
 typedef int32_t pkc_status;
 #define PKC_OK 0
 #define PKC_E_ARGUMENT (-1)     /* a pointer is NULL or a value lies outside what is allowed */
-#define PKC_E_STRUCT (-2)       /* struct_size names no layout that this library knows */
+#define PKC_E_STRUCT (-2)       /* struct_size or a field beyond it is none this library knows */
 #define PKC_E_MEMORY (-3)       /* memory could not be had */
 #define PKC_E_BUSY (-4)         /* the handle is in use by another thread */
 #define PKC_E_STATE (-5)        /* the call does not fit the handle's state */
@@ -123,18 +130,20 @@ typedef struct pkc_action {
 } pkc_action;
 
 /* FNV-1a 64 over op, item, x, y, rot, arm of each action as little-endian int32: equal plans have
- * equal hashes on every machine. */
+ * equal hashes on every machine. Any values; NULL if `count` is 0. */
 PKC_API pkc_status pkc_plan_hash(const pkc_action *actions, size_t count, uint64_t *out_hash);
 
 /* ---- Bin ------------------------------------------------------------------------------------- */
 
 #define PKC_MAX_SIDE 128 /* cells of a bin's or an item's side */
 
+/* A bin and the items in it. For all that follow x and y are 0..127, w and h 1..128 cells; a
+ * rectangle within these ranges that does not lie on free cells of the bin alone is PKC_E_STATE. */
 typedef struct pkc_bin pkc_bin;
 
 typedef struct pkc_bin_info {
     uint32_t struct_size;
-    int32_t w, h;
+    int32_t w, h;           /* cells */
     int32_t items;          /* items packed */
     int32_t occupied_cells; /* fixed cells and items */
     int32_t fixed_cells;    /* cells taken by pkc_bin_block */
@@ -142,7 +151,7 @@ typedef struct pkc_bin_info {
 } pkc_bin_info;
 PKC_API pkc_status pkc_bin_info_init(pkc_bin_info *info, size_t size);
 
-/* An empty bin of w x h cells, each 1..128. Free with pkc_bin_free. */
+/* An empty bin of w x h cells. Free with pkc_bin_free. */
 PKC_API pkc_status pkc_bin_create(int32_t w, int32_t h, pkc_bin **out_bin);
 PKC_API void pkc_bin_free(pkc_bin *bin);
 PKC_API pkc_status pkc_bin_clone(const pkc_bin *bin, pkc_bin **out_bin);
@@ -150,8 +159,8 @@ PKC_API pkc_status pkc_bin_clone(const pkc_bin *bin, pkc_bin **out_bin);
 /* Removes every item; fixed cells stay. */
 PKC_API pkc_status pkc_bin_clear(pkc_bin *bin);
 
-/* Marks free cells as taken from the start. They count in the utilisation. PKC_E_STATE if a cell
- * of the w x h rectangle at (x, y) is taken already. */
+/* Marks the free cells of the w x h rectangle at (x, y) as taken from the start, for good. They
+ * count in the utilisation. PKC_E_STATE if one is taken already or outside of the bin. */
 PKC_API pkc_status pkc_bin_block(pkc_bin *bin, int32_t x, int32_t y, int32_t w, int32_t h);
 
 /* Puts an item at (x, y), paper eq. (1). PKC_E_STATE if it does not lie on free cells alone, its id
@@ -160,8 +169,8 @@ PKC_API pkc_status pkc_bin_block(pkc_bin *bin, int32_t x, int32_t y, int32_t w, 
 PKC_API pkc_status pkc_bin_pack(pkc_bin *bin, const pkc_item *item, int32_t x, int32_t y,
                                 int32_t rot);
 
-/* Takes an item out; `out_placement` (may be NULL) gets where it was. PKC_E_STATE if it is not in
- * the bin or is pinned. */
+/* Takes an item out (paper, Sec. III-A); `out_placement` (may be NULL) gets where it was.
+ * PKC_E_STATE if it is not in the bin or is pinned. */
 PKC_API pkc_status pkc_bin_unpack(pkc_bin *bin, int32_t id, pkc_placement *out_placement);
 
 PKC_API pkc_status pkc_bin_get_info(const pkc_bin *bin, pkc_bin_info *info);
@@ -200,11 +209,13 @@ typedef struct pkc_scenario {
 } pkc_scenario;
 PKC_API pkc_status pkc_scenario_init(pkc_scenario *scenario, size_t size); /* S-R1A1 */
 
-/* "S-R5A3" or "D-R5A3O1" and back; `capacity` bytes with the closing zero, 32 are enough. */
+/* "S-R5A3" or "D-R5A3O1" and back; `capacity` bytes with the closing zero, 32 are enough; with too
+ * few nothing is stored (PKC_E_CAPACITY). PKC_E_ARGUMENT for a scenario that cannot be. */
 PKC_API pkc_status pkc_scenario_parse(const char *name, pkc_scenario *scenario);
 PKC_API pkc_status pkc_scenario_name(const pkc_scenario *scenario, char *name, size_t capacity);
 
-/* The conveyor with its regions (paper, "Conveyor Logic") and one buffer an arm. */
+/* The conveyor with its regions (paper, Sec. V-C2, "Conveyor Logic") and one buffer an arm, all
+ * without a limit of their own. */
 typedef struct pkc_queue pkc_queue;
 
 typedef struct pkc_queue_info {
@@ -236,7 +247,8 @@ PKC_API pkc_status pkc_queue_remove(pkc_queue *queue, int32_t id);
 PKC_API pkc_status pkc_queue_remove_items(pkc_queue *queue, const int32_t *ids, size_t count);
 
 /* An item is put into the buffer of `arm` from without: a queue rebuilt from a message, or an item
- * unpacked outside a planned step. PKC_E_STATE if the queue holds its id already. */
+ * unpacked outside a planned step. `arm`: 0, or 1 with two robots. PKC_E_STATE if the queue holds
+ * its id already. */
 PKC_API pkc_status pkc_queue_put_in_buffer(pkc_queue *queue, const pkc_item *item, int32_t arm);
 
 /* Arranges the conveyor's regions anew, as if so many items (0..64) had stayed in arm 0's: for a
@@ -262,11 +274,13 @@ PKC_API pkc_status pkc_step_apply(pkc_bin *bin, pkc_queue *queue, const pkc_acti
 /* ---- Snapshots ------------------------------------------------------------------------------- */
 
 /* Bin, conveyor and buffers as bytes, little-endian and the same on every machine, for restarts and
- * stateless workers. `out_size` gets the bytes needed or written. */
+ * stateless workers. `out_size` gets the bytes needed or written. PKC_E_STATE if an id is both in
+ * the bin and in the queue. */
 PKC_API pkc_status pkc_snapshot_save(const pkc_bin *bin, const pkc_queue *queue, uint8_t *bytes,
                                      size_t capacity, size_t *out_size);
 
-/* Makes a bin and a queue from such bytes; PKC_E_FORMAT names the first offset that is wrong. */
+/* Makes a bin and a queue from such bytes, which are copied; PKC_E_FORMAT names the first offset
+ * that is wrong. */
 PKC_API pkc_status pkc_snapshot_load(const uint8_t *bytes, size_t size, pkc_bin **out_bin,
                                      pkc_queue **out_queue);
 
@@ -288,8 +302,9 @@ PKC_API pkc_status pkc_grid_bin(const pkc_grid *grid, int32_t *out_w, int32_t *o
 PKC_API pkc_status pkc_grid_item(const pkc_grid *grid, double w, double h, int32_t *out_w,
                                  int32_t *out_h);
 
-/* Centre, from the inside top-left corner of the bin, of a w x h cell rectangle at cell (x, y): an
- * item is put down with its own centre there, which shares slack and clearance evenly. */
+/* Centre in millimetres, from the inside top-left corner of the bin, of a w x h cell rectangle at
+ * cell (x, y): an item is put down with its own centre there, which shares slack and clearance
+ * evenly. x and y are 0..127, w and h 1..128; whether the bin is so large is not looked at. */
 PKC_API pkc_status pkc_grid_centre(const pkc_grid *grid, int32_t x, int32_t y, int32_t w, int32_t h,
                                    double *out_x, double *out_y);
 
@@ -300,7 +315,7 @@ typedef struct pkc_policy pkc_policy;
 
 /* By name: "default" (learned weights for the bins that they serve, see pkc_policy_get_info, and
  * "contact" for all others), "contact" (largest contact reward), "bottom-left", "skyline",
- * "shelf-next-fit", "maxrects-cp", "maxrects-bssf". */
+ * "shelf-next-fit", "maxrects-cp", "maxrects-bssf". Free with pkc_policy_free. */
 PKC_API pkc_status pkc_policy_create(const char *name, pkc_policy **out_policy);
 PKC_API void pkc_policy_free(pkc_policy *policy);
 /* "" for NULL; lives as long as the policy. */
@@ -311,7 +326,7 @@ PKC_API const char *pkc_policy_builtin(size_t index);
 
 /* What a policy is made of. Heuristics are not learned: they have no weights. */
 #define PKC_ARCH_HEURISTIC 0
-#define PKC_ARCH_ACTOR_CRITIC 1        /* the paper's network (Fig. 3), for one bin size */
+#define PKC_ARCH_ACTOR_CRITIC 1        /* the paper's network (Fig. 4), for one bin size */
 #define PKC_ARCH_FULLY_CONVOLUTIONAL 2 /* its variant for bins of any size */
 #define PKC_ARCH_AFTERSTATE 3          /* tables that give the value of a bin left behind */
 
@@ -323,7 +338,8 @@ PKC_API const char *pkc_policy_builtin(size_t index);
  * pkc_policy_free. */
 PKC_API pkc_status pkc_policy_load(const void *bytes, size_t size, pkc_policy **out_policy);
 
-/* The same from a file of up to PKC_MAX_BLOB_BYTES. PKC_E_IO if it cannot be read. */
+/* The same from a file of up to PKC_MAX_BLOB_BYTES, else PKC_E_FORMAT. PKC_E_IO if it cannot be
+ * read. */
 PKC_API pkc_status pkc_policy_load_file(const char *path, pkc_policy **out_policy);
 
 /* The policy's weight blob; a policy that was loaded gives the bytes it came from. `out_size` gets
@@ -351,15 +367,17 @@ typedef struct pkc_policy_info {
 PKC_API pkc_status pkc_policy_info_init(pkc_policy_info *info, size_t size);
 PKC_API pkc_status pkc_policy_get_info(const pkc_policy *policy, pkc_policy_info *info);
 
-/* The position x + y*W for an item that covers w x h cells as it is turned; W*H is "no position".
- * PKC_E_ARGUMENT if the policy was trained for bins of another size. */
+/* The position x + y*W for an item that covers w x h cells, each 1..128, as it is turned; W*H is
+ * "no position" (paper, eq. (2)). PKC_E_ARGUMENT if the policy was trained for bins of another
+ * size. */
 PKC_API pkc_status pkc_policy_select(const pkc_policy *policy, const pkc_bin *bin, int32_t w,
                                      int32_t h, int32_t *out_position);
 
 /* What actor and critic say about such an item: W*H + 1 logits and probabilities by position, the
  * last for "no position", infeasible ones with probability 0, and the value of the bin. Each of
- * both arrays, and `out_value`, may be NULL; `capacity` is that of each array. PKC_E_UNSUPPORTED if
- * the policy gives positions alone, as heuristics do. */
+ * both arrays, and `out_value`, may be NULL; `capacity` is that of each array, and at least W*H + 1
+ * even if both are NULL. w and h are 1..128. PKC_E_UNSUPPORTED if the policy gives positions alone,
+ * as heuristics do; PKC_E_ARGUMENT if it was trained for bins of another size. */
 PKC_API pkc_status pkc_policy_evaluate(const pkc_policy *policy, const pkc_bin *bin, int32_t w,
                                        int32_t h, float *out_logits, float *out_probabilities,
                                        size_t capacity, size_t *out_count, float *out_value);
@@ -376,7 +394,7 @@ PKC_API pkc_status pkc_policy_evaluate_batch(const pkc_policy *policy, const pkc
 
 /* ---- Training -------------------------------------------------------------------------------- */
 
-#define PKC_LEARNER_A3C 1        /* the paper's actor-critic (Sec. IV-B), for a network */
+#define PKC_LEARNER_A3C 1        /* the paper's actor-critic (Sec. IV-A), for a network */
 #define PKC_LEARNER_AFTERSTATE 2 /* TD(0) of the value of bins left behind, for tables */
 
 #define PKC_ROTATION_OFF 0
@@ -389,7 +407,7 @@ PKC_API pkc_status pkc_policy_evaluate_batch(const pkc_policy *policy, const pkc
 typedef struct pkc_trainer_options {
     uint32_t struct_size;
     int32_t learner;      /* PKC_LEARNER_A3C; PKC_LEARNER_AFTERSTATE takes from what follows the
-                             protocol (bins up to 12 x 12 with (W + 1) * H <= 128, items up to 8),
+                             protocol (bins of 2..12 a side with (W + 1) * H <= 128, items up to 8),
                              seed and name alone, and one thread for each setting of rotation */
     int32_t architecture; /* PKC_ARCH_ACTOR_CRITIC (bins of 3..32 cells a side) or
                              PKC_ARCH_FULLY_CONVOLUTIONAL */
@@ -407,7 +425,7 @@ typedef struct pkc_trainer_options {
     int32_t features;     /* of the encoded bin, 1..1024 (128) */
     int32_t hidden;       /* units where bin and item are joined, 1..1024 (128) */
     int32_t reserved;     /* 0 */
-    uint64_t seed;
+    uint64_t seed;        /* any (1) */
     uint64_t anneal;      /* over so many updates learning rate and entropy weight fall to a tenth;
                              0 (default): they stay */
     double gamma;         /* discount of later rewards, 0..1 (0.9) */
@@ -433,7 +451,8 @@ PKC_API void pkc_trainer_free(pkc_trainer *trainer);
  * training is the same. PKC_E_STATE if the gradient is not finite any more. */
 PKC_API pkc_status pkc_trainer_run(pkc_trainer *trainer, uint64_t updates);
 
-/* From any thread: a pkc_trainer_run that is under way returns within some updates, with PKC_OK. */
+/* From any thread: a pkc_trainer_run that is under way returns within some updates, with PKC_OK.
+ * One that begins later is not affected. */
 PKC_API pkc_status pkc_trainer_cancel(pkc_trainer *trainer);
 
 /* How far it is, and means over the last pkc_trainer_run (0 before the first, and where no bin
@@ -465,21 +484,23 @@ PKC_API pkc_status pkc_trainer_policy(const pkc_trainer *trainer, pkc_policy **o
 PKC_API pkc_status pkc_trainer_measure(pkc_trainer *trainer, int32_t rotation, uint64_t seed,
                                        uint64_t bins, double *out_mean, double *out_half_width);
 
-/* The same for any policy: bins, items and rotation are those of `options`. */
+/* The same for any policy: bins, items and rotation are those of `options`, which may not be NULL.
+ * PKC_E_ARGUMENT if the policy was trained for bins of another size. */
 PKC_API pkc_status pkc_policy_measure(const pkc_policy *policy, const pkc_trainer_options *options,
                                       uint64_t seed, uint64_t bins, double *out_mean,
                                       double *out_half_width);
 
-/* The training with all that its next update depends on, all or nothing as in pkc_policy_save_file.
- * A training that was killed and loaded again goes on bit for bit. */
+/* The training with all that its next update depends on, all or nothing as in pkc_policy_save_file
+ * (PKC_E_IO). A training that was killed and loaded again goes on bit for bit. */
 PKC_API pkc_status pkc_trainer_save_file(const pkc_trainer *trainer, const char *path);
 
-/* PKC_E_IO if it cannot be read, PKC_E_FORMAT with the first offset that is wrong. */
+/* From a file of up to 1 GiB. PKC_E_IO if it cannot be read, PKC_E_FORMAT with the first offset
+ * that is wrong. Free with pkc_trainer_free. */
 PKC_API pkc_status pkc_trainer_load_file(const char *path, pkc_trainer **out_trainer);
 
 /* ---- Environment ----------------------------------------------------------------------------- */
 
-/* The low level as a decision process (paper, Sec. III-C), for learners outside of packcell: what
+/* The low level as a decision process (paper, Sec. III-B), for learners outside of packcell: what
  * pkc_trainer_run plays, many bins side by side. An item comes and goes to one of its feasible
  * positions, then the next one comes; the first that has none closes the bin (or as `items` says)
  * and begins the next one.
@@ -636,20 +657,22 @@ PKC_API pkc_status pkc_plan_info_init(pkc_plan_info *info, size_t size);
  * plan: at worst one greedy placement. TERMINATE stands alone when nothing accessible or buffered
  * has a position and repacking found nothing better, and last when the step fills the bin. With an
  * empty conveyor and empty buffers that is TERMINATE too: whoever waits for items should not plan.
- * No id may be both in the bin and in the queue. `info` may be NULL. */
+ * `info` may be NULL. PKC_E_STATE if an id is both in the bin and in the queue, PKC_E_LIMIT if
+ * there is more than the options have room for, PKC_E_ARGUMENT if the policy was trained for bins
+ * of another size; then there is no plan, not even the one before. */
 PKC_API pkc_status pkc_planner_plan(pkc_planner *planner, const pkc_bin *bin,
                                     const pkc_queue *queue, const pkc_budget *budget,
                                     pkc_plan_info *info);
 
-/* The same work in slices, for cyclic tasks: begin copies the state, step spends up to `nodes`
- * nodes (>= 1) and sets `out_done` to 1 when nothing is left to do or the budget is spent. The
- * plan is the one that pkc_planner_plan gives. */
+/* The same work in slices, for cyclic tasks: begin copies the state (and fails as pkc_planner_plan
+ * does), step spends up to `nodes` nodes (>= 1) and sets `out_done` to 1 when nothing is left to do
+ * or the budget is spent. The plan is the one that pkc_planner_plan gives. */
 PKC_API pkc_status pkc_planner_begin(pkc_planner *planner, const pkc_bin *bin,
                                      const pkc_queue *queue, const pkc_budget *budget);
 PKC_API pkc_status pkc_planner_step(pkc_planner *planner, uint64_t nodes, int32_t *out_done);
 
 /* The plan: after pkc_planner_plan or a step that was done the final one, before that the best so
- * far. PKC_E_STATE if nothing was begun. */
+ * far. `info` may be NULL. PKC_E_STATE if nothing was begun. */
 PKC_API pkc_status pkc_planner_result(pkc_planner *planner, pkc_plan_info *info,
                                       pkc_action *actions, size_t capacity, size_t *out_count);
 
@@ -664,7 +687,9 @@ PKC_API pkc_status pkc_planner_cancel(pkc_planner *planner);
 #define PKC_PACKING_BUDGET 3 /* not decided within the budget */
 
 /* Can all items be placed on the bin's free cells, without moving what is there? At most 16384
- * items. When FOUND, `placements` (count of them, in the items' order) says how. */
+ * items; their ids are not looked at. `rotation`: 1, they may be turned; 0, not. When FOUND,
+ * `placements` (count of them, in the items' order) says how, else it is untouched. `out_nodes`
+ * (may be NULL) gets what it cost. */
 PKC_API pkc_status pkc_exact_pack(const pkc_bin *bin, const pkc_item *items, size_t count,
                                   int32_t rotation, const pkc_budget *budget,
                                   pkc_placement *placements, int32_t *out_answer,
@@ -673,7 +698,8 @@ PKC_API pkc_status pkc_exact_pack(const pkc_bin *bin, const pkc_item *items, siz
 /* The clairvoyant bound for A = 1: how many of the next items, in arrival order and without one
  * left out, fit together on the bin's free cells. No planner without a buffer packs more into this
  * bin, and taking the most for each bin is the most for the stream. With PKC_PACKING_BUDGET in
- * `out_answer` the count is an upper bound only, from the areas, else it is exact. */
+ * `out_answer` the count is an upper bound only, from the areas, else it is exact
+ * (PKC_PACKING_FOUND). Of the items the first W*H are looked at; `rotation` is 1 or 0 as above. */
 PKC_API pkc_status pkc_bound_in_order(const pkc_bin *bin, const pkc_item *items, size_t count,
                                       int32_t rotation, const pkc_budget *budget, size_t *out_count,
                                       int32_t *out_answer);
@@ -683,7 +709,7 @@ PKC_API pkc_status pkc_bound_in_order(const pkc_bin *bin, const pkc_item *items,
 /* From here on lengths are metres, angles radians, times seconds: the plane of the cell seen from
  * above, x to the right, y up, angles counter-clockwise. In a build without the cell
  * (PACKCELL_CELL=OFF) every function of this and the next three sections gives
- * PKC_E_UNSUPPORTED. */
+ * PKC_E_UNSUPPORTED; pkc_cell_preset gives NULL. */
 
 #define PKC_MAX_JOINTS 6
 #define PKC_MAX_CELL_BYTES 1048576 /* of a cell description: 1 MiB */
@@ -701,9 +727,10 @@ PKC_API void pkc_cell_free(pkc_cell *cell);
 /* Names that pkc_cell_create knows, by index from 0; NULL past the last. Static storage. */
 PKC_API const char *pkc_cell_preset(size_t index);
 
-/* From the JSON text of a cell.json. PKC_E_FORMAT, naming field and value, for what is not a cell
- * description; PKC_E_ARGUMENT, naming them too, for a cell that cannot work: a bin out of reach,
- * bases too near each other, a belt that does not move. */
+/* From the JSON text of a cell.json, `size` bytes of UTF-8. PKC_E_FORMAT, naming field and value,
+ * for what is not a cell description or longer than PKC_MAX_CELL_BYTES; PKC_E_ARGUMENT, naming them
+ * too, for a cell that cannot work: a bin out of reach, bases too near each other, a belt that does
+ * not move. Free with pkc_cell_free. */
 PKC_API pkc_status pkc_cell_load(const char *json, size_t size, pkc_cell **out_cell);
 PKC_API pkc_status pkc_cell_load_file(const char *path, pkc_cell **out_cell);
 
@@ -727,13 +754,15 @@ typedef struct pkc_cell_info {
 PKC_API pkc_status pkc_cell_info_init(pkc_cell_info *info, size_t size);
 PKC_API pkc_status pkc_cell_get_info(const pkc_cell *cell, pkc_cell_info *info);
 
-/* Whether the arms reach the belt's zones as the scenario says: PKC_OK, or PKC_E_ARGUMENT with the
- * zone and the distance. */
+/* Whether there are as many arms and they reach the belt's zones as the scenario says: PKC_OK, or
+ * PKC_E_ARGUMENT with the zone and the distance. */
 PKC_API pkc_status pkc_cell_check(const pkc_cell *cell, const pkc_scenario *scenario);
 
 /* Joints (radians; metres for the third of a SCARA) at which the arm's tool, straight down, has its
  * tip at (x, y, z) and is turned by yaw, within the position limits and nearest to the middle of
- * the arm's range; PKC_E_STATE if there are none. And back, by the full chain of links. */
+ * the arm's range; joints that it does not have are 0. PKC_E_STATE if there are none. And back, by
+ * the full chain of links, whatever the limits. `arm` is 0, or 1 in a cell with two; all numbers
+ * are finite, -1000..1000. */
 PKC_API pkc_status pkc_cell_inverse(const pkc_cell *cell, int32_t arm, const double pose[4],
                                     double joints[PKC_MAX_JOINTS]);
 PKC_API pkc_status pkc_cell_forward(const pkc_cell *cell, int32_t arm,
@@ -743,7 +772,7 @@ PKC_API pkc_status pkc_cell_forward(const pkc_cell *cell, int32_t arm,
 typedef struct pkc_layout_options {
     uint32_t struct_size;
     int32_t evaluations; /* of the mean transfer time, 10..100000 (800) */
-    double range;        /* by which bases and buffers may move in x and in y, 0..2 (0.3) */
+    double range;        /* by which bases and buffers may move in x and in y, > 0, <= 2 (0.3) */
 } pkc_layout_options;
 PKC_API pkc_status pkc_layout_options_init(pkc_layout_options *options, size_t size);
 
@@ -757,7 +786,8 @@ PKC_API pkc_status pkc_layout_info_init(pkc_layout_info *info, size_t size);
 
 /* Moves bases, buffers and homes for the shortest mean transfer within reach and clearance (NLopt:
  * DIRECT, then Subplex). Never worse than `cell`; equal calls give equal cells. NULL options are
- * the defaults; `info` may be NULL. */
+ * the defaults; `info` may be NULL. PKC_E_ARGUMENT as in pkc_cell_check. Free with pkc_cell_free.
+ */
 PKC_API pkc_status pkc_cell_optimize_layout(const pkc_cell *cell, const pkc_scenario *scenario,
                                             const pkc_layout_options *options,
                                             pkc_layout_info *info, pkc_cell **out_cell);
@@ -766,7 +796,8 @@ PKC_API pkc_status pkc_cell_optimize_layout(const pkc_cell *cell, const pkc_scen
 
 /* Task allocation (paper, Sec. IV-D): names the arms of a step's packs from the belt anew, in
  * place, so that each item goes to the nearest arm that reaches it; at most one an arm. `queue` is
- * the one before the step. */
+ * the one before the step. Whether the step is legal is not looked at. PKC_E_ARGUMENT as in
+ * pkc_cell_check, PKC_E_LIMIT for more than PKC_MAX_ACTIONS. */
 PKC_API pkc_status pkc_allocate(const pkc_cell *cell, const pkc_queue *queue, pkc_action *actions,
                                 size_t count);
 
@@ -787,14 +818,16 @@ PKC_API void pkc_schedule_free(pkc_schedule *schedule);
  * begins once the last step's items are off the belt, the belt has moved and the step is planned;
  * planning takes the seconds that the cell description says. PKC_E_STATE if the step is not legal
  * or the arms block each other for good, with the pair in pkc_last_error(); PKC_E_LIMIT if a buffer
- * has no place left. */
+ * has no place left, or for more than PKC_MAX_ACTIONS; PKC_E_ARGUMENT if the bin has not the cell's
+ * sides or the queue not the schedule's scenario. */
 PKC_API pkc_status pkc_schedule_add_step(pkc_schedule *schedule, const pkc_bin *bin,
                                          const pkc_queue *queue, const pkc_action *actions,
                                          size_t count);
 
-/* The item that is let go over the bin at `time` did not fit (pkc_simulation_places): its arm takes
- * it to its buffer before it does anything else. To the steps planned afterwards the item is an
- * unpacked one. PKC_E_STATE if no arm lets go of it then. */
+/* The item that is let go over the bin at `time` (0..1e9, to the microsecond) did not fit
+ * (pkc_simulation_places): its arm takes it to its buffer before it does anything else. To the
+ * steps planned afterwards the item is an unpacked one. PKC_E_STATE if no arm lets go of it then,
+ * PKC_E_LIMIT if the buffer has no place left. */
 PKC_API pkc_status pkc_schedule_put_aside(pkc_schedule *schedule, int32_t item, double time);
 
 /* Why an arm waits. */
@@ -854,7 +887,7 @@ typedef struct pkc_arm_sample {
     int32_t reason;   /* PKC_WAIT_* of a wait, else 0 */
 } pkc_arm_sample;
 
-/* At `time`, 0..makespan. */
+/* At `time`, 0..makespan; `arm` is 0, or 1 with two robots. */
 PKC_API pkc_status pkc_schedule_sample(const pkc_schedule *schedule, int32_t arm, double time,
                                        pkc_arm_sample *out_sample);
 
@@ -875,7 +908,8 @@ PKC_API pkc_status pkc_simulation_options_init(pkc_simulation_options *options, 
 typedef struct pkc_simulation pkc_simulation;
 
 /* Runs what the schedule has so far, to its end. NULL options are the defaults. Equal schedules and
- * options give equal runs. */
+ * options give equal runs. PKC_E_STATE for more than a day or 16384 items. Free with
+ * pkc_simulation_free. */
 PKC_API pkc_status pkc_simulate(const pkc_schedule *schedule, const pkc_simulation_options *options,
                                 pkc_simulation **out_simulation);
 PKC_API void pkc_simulation_free(pkc_simulation *simulation);
@@ -927,8 +961,9 @@ PKC_API pkc_status pkc_simulation_places(const pkc_simulation *simulation, pkc_p
 #define PKC_TRACE_GANTT 5  /* SVG */
 #define PKC_TRACE_REPLAY 6 /* one self-contained HTML page */
 
-/* Writes a schedule, all or nothing as in pkc_policy_save_file; `simulation` (may be NULL) adds the
- * poses of its run. `period`: 0.0001..10, of the CSV files; ignored by the others. */
+/* Writes a schedule, all or nothing as in pkc_policy_save_file (PKC_E_IO); `simulation` (may be
+ * NULL) adds the poses of its run. `period`: 0.0001..10, of the CSV files; ignored by the others.
+ * PKC_E_LIMIT for more than 1e7 rows, PKC_E_ARGUMENT for the joints of an arm that there is not. */
 PKC_API pkc_status pkc_trace_write_file(const pkc_schedule *schedule,
                                         const pkc_simulation *simulation, int32_t kind,
                                         double period, const char *path);
@@ -936,7 +971,7 @@ PKC_API pkc_status pkc_trace_write_file(const pkc_schedule *schedule,
 /* ---- Generators ------------------------------------------------------------------------------ */
 
 #define PKC_GENERATE_RANDOM 1 /* sides uniform on 1..W/2 and 1..H/2 (at least 1) */
-#define PKC_GENERATE_FULL 2   /* 100 % sets, the paper's Algorithm 4 */
+#define PKC_GENERATE_FULL 2   /* 100 % sets, the paper's Algorithm 4 (Sec. V-A) */
 
 typedef struct pkc_generator_options {
     uint32_t struct_size;
@@ -958,9 +993,9 @@ PKC_API pkc_status pkc_generator_create(const pkc_generator_options *options,
                                         pkc_generator **out_generator);
 PKC_API void pkc_generator_free(pkc_generator *generator);
 
-/* RANDOM: fills the whole array with the stream's next items, ids counting on. FULL: the next set,
- * shuffled, ids from 0; W*H elements always suffice, and with fewer a set that needs more is
- * PKC_E_CAPACITY and will be given again. */
+/* RANDOM: fills the whole array, of up to 2^24 items, with the stream's next ones, ids counting on.
+ * FULL: the next set, shuffled, ids from 0; W*H elements always suffice, and with fewer a set that
+ * needs more is PKC_E_CAPACITY and will be given again. */
 PKC_API pkc_status pkc_generator_next(pkc_generator *generator, pkc_item *items, size_t capacity,
                                       size_t *out_count);
 
