@@ -10,8 +10,8 @@
  *    every out-parameter untouched (but see arrays, below), and pkc_last_error() says which value
  *    was wrong and what is allowed.
  *  - NULL, where the comment does not allow it, and a value outside its range are PKC_E_ARGUMENT;
- *    PKC_E_MEMORY may come from every call that makes or fills something. The comment names the
- *    other errors, but for PKC_E_BUSY, PKC_E_STRUCT and PKC_E_CAPACITY as told below.
+ *    PKC_E_MEMORY may come from all calls but those that are said to take none. The comment names
+ *    the other errors, except PKC_E_BUSY, PKC_E_STRUCT and PKC_E_CAPACITY, of which more below.
  *  - Lengths are in bin cells: x to the right, y down, origin at the top-left cell, cell index
  *    x + y * W. Items are w x h cells; `rot` 1 turns an item by a quarter, which swaps w and h.
  *  - Whoever gets a handle through a pkc_x ** owns it and gives it back to pkc_x_free, which takes
@@ -24,9 +24,9 @@
  *    it stores nothing but that number and returns PKC_E_CAPACITY. So NULL with capacity 0 asks for
  *    the number: PKC_E_CAPACITY, or PKC_OK where it is 0.
  *  - Option and info structs begin with struct_size; fill them by their `_init` function first,
- *    which sets the defaults (zeros in an info struct) and gets the sizeof, so that a program built
- *    today runs against a later library. PKC_E_STRUCT: that was left out, or a field is set that
- *    this library does not know.
+ *    which sets the defaults (zeros in nearly every info struct) and gets the sizeof, so that a
+ *    program built today runs against a later library. PKC_E_STRUCT: that was left out, or a field
+ *    is set that this library does not know.
  *  - Nothing is printed, no file is touched but the one that a `_file` call names, no thread is
  *    started but by pkc_trainer_run, which ends with them; the text of pkc_last_error(), one a
  *    thread, is the only state outside the handles.
@@ -210,7 +210,7 @@ typedef struct pkc_scenario {
 PKC_API pkc_status pkc_scenario_init(pkc_scenario *scenario, size_t size); /* S-R1A1 */
 
 /* "S-R5A3" or "D-R5A3O1" and back; `capacity` bytes with the closing zero, 32 are enough; with too
- * few nothing is stored (PKC_E_CAPACITY). PKC_E_ARGUMENT for a scenario that cannot be. */
+ * few nothing is stored. PKC_E_ARGUMENT for a scenario that cannot be. */
 PKC_API pkc_status pkc_scenario_parse(const char *name, pkc_scenario *scenario);
 PKC_API pkc_status pkc_scenario_name(const pkc_scenario *scenario, char *name, size_t capacity);
 
@@ -349,7 +349,7 @@ PKC_API pkc_status pkc_policy_save(const pkc_policy *policy, void *bytes, size_t
 
 /* The same into a file, all or nothing: it is written as a new file in the same folder, which then
  * takes the place of the named one, or of the link by that name. PKC_E_IO if that fails: what was
- * there before is unchanged. */
+ * there before is unchanged. PKC_E_UNSUPPORTED for a heuristic. */
 PKC_API pkc_status pkc_policy_save_file(const pkc_policy *policy, const char *path);
 
 /* Where a policy comes from; zeros, and utilization -1, for a heuristic. */
@@ -441,7 +441,7 @@ PKC_API pkc_status pkc_trainer_options_init(pkc_trainer_options *options, size_t
 
 typedef struct pkc_trainer pkc_trainer;
 
-/* NULL options are the defaults. Free with pkc_trainer_free. */
+/* A training that has not begun. NULL options are the defaults. Free with pkc_trainer_free. */
 PKC_API pkc_status pkc_trainer_create(const pkc_trainer_options *options,
                                       pkc_trainer **out_trainer);
 PKC_API void pkc_trainer_free(pkc_trainer *trainer);
@@ -610,8 +610,9 @@ typedef struct pkc_planner_options {
 } pkc_planner_options;
 PKC_API pkc_status pkc_planner_options_init(pkc_planner_options *options, size_t size);
 
-/* All memory is taken here: planning allocates none. The planner keeps its own hold on the policy.
- * NULL options are the defaults, a NULL policy is the default one. */
+/* A planner that keeps its own hold on the policy. All memory is taken here: planning allocates
+ * none. NULL options are the defaults, a NULL policy is the default one. Free with
+ * pkc_planner_free. */
 PKC_API pkc_status pkc_planner_create(const pkc_planner_options *options, const pkc_policy *policy,
                                       pkc_planner **out_planner);
 PKC_API void pkc_planner_free(pkc_planner *planner);

@@ -102,7 +102,7 @@ int run(int argc, const char *const *argv) {
                      static_cast<uint64_t>(o.steps),    static_cast<uint64_t>(o.channels),
                      static_cast<uint64_t>(o.features), static_cast<uint64_t>(o.hidden)};
 
-    CommandLine line(kProgram, "Trains a policy that says where items go (paper, Sec. IV-B).");
+    CommandLine line(kProgram, "Trains a policy that says where items go (paper, Sec. IV-A).");
     line.choice("--learner", learner, {"a3c", "afterstate"},
                 "a3c: actor and critic, as in the paper; afterstate: the\n"
                 "value of the bins that are left behind");

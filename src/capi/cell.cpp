@@ -180,7 +180,6 @@ pkc_status pkc_cell_optimize_layout(const pkc_cell *cell, const pkc_scenario *sc
         if (options != nullptr) {
             const pkc_layout_options o = read_struct("options", options, default_layout_options());
             require_range("options.evaluations", o.evaluations, 10, 100000);
-            require_finite("options.range", o.range, 0, 2);
             wanted.evaluations = o.evaluations;
             wanted.range = o.range;
         }

@@ -1,4 +1,4 @@
-// A3C (paper, Sec. IV-B and V-B): workers with environments of their own share one network.
+// A3C (paper, Sec. IV-A and V-B): workers with environments of their own share one network.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a learner plays: items come one by one and go into a bin until it closes (paper, Sec. III-C,
+// What a learner plays: items come one by one and go into a bin until it closes (paper, Sec. III-B,
 // the low-level MDP, and Sec. V-B).
 #pragma once
 

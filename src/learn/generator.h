@@ -1,4 +1,4 @@
-// Instances (paper, Sec. V-B "Dataset"): random items, and 100 % sets after Algorithm 4.
+// Instances (paper, Sec. V-A "Dataset"): random items, and 100 % sets after Algorithm 4.
 #pragma once
 
 #include <array>

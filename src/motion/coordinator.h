@@ -1,5 +1,5 @@
-// Rolling coordination of the arms (paper, Sec. IV-D, Fig. 7): each step's work joins what the arms
-// have not begun yet, and A* on the coordination diagram says where they pause.
+// Rolling coordination of the arms (paper, Sec. IV-D, Fig. 10): each step's work joins what the
+// arms have not begun yet, and A* on the coordination diagram says where they pause.
 #pragma once
 
 #include <array>

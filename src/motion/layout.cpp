@@ -203,8 +203,8 @@ LayoutResult optimize_layout(const CellLayout &cell, const Scenario &scenario,
     if (options.evaluations < 1 || options.evaluations > kMaxEvaluations)
         fail(Status::kArgument, "evaluations %d: must be 1..%d", options.evaluations,
              kMaxEvaluations);
-    if (!(options.range > 0 && options.range <= 5))
-        fail(Status::kArgument, "range %g: must be above 0, at most 5", options.range);
+    if (!(options.range > 0 && options.range <= 2))
+        fail(Status::kArgument, "range %g: must be above 0, at most 2", options.range);
     Search search(cell, scenario, options);
     search.run(NLOPT_GN_ORIG_DIRECT_L,
                static_cast<int>(std::lround(kGlobalShare * options.evaluations)));

@@ -12,7 +12,7 @@ namespace packcell {
 struct LayoutOptions {
     int evaluations = 800;  // of the mean transfer time, at most; 1..100000
     uint64_t seed = 1;      // of NLopt's random numbers; the methods in use draw none
-    double range = 0.3;     // metres a base or buffer may move in x and in y; above 0, at most 5
+    double range = 0.3;     // metres a base or buffer may move in x and in y; above 0, at most 2
 };
 
 struct LayoutResult {

@@ -1,4 +1,4 @@
-// The actor-critic network (paper, Sec. IV-B, Fig. 3), run forward for one bin and item or for some
+// The actor-critic network (paper, Sec. IV-A, Fig. 4), run forward for one bin and item or for some
 // at once.
 #pragma once
 

@@ -10,7 +10,7 @@
 
 namespace packcell {
 
-// Logit of a masked position (paper, Sec. IV-B).
+// Logit of a masked position (paper, Sec. IV-A).
 constexpr float kMaskedLogit = -1e8f;
 
 // Masks the W * H + 1 logits by what is feasible for this size, and gives the most probable

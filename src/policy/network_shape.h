@@ -1,4 +1,4 @@
-// The paper's actor-critic (Sec. IV-B, Fig. 3) as sizes: which tensors a network has, and where
+// The paper's actor-critic (Sec. IV-A, Fig. 4) as sizes: which tensors a network has, and where
 // each lies in the one array that holds all its parameters.
 #pragma once
 

@@ -1,5 +1,5 @@
 // The low level behind one interface: where an item goes (paper, eq. (5)), and for learned policies
-// what a bin is worth (the critic, Sec. IV-B).
+// what a bin is worth (the critic, Sec. IV-A).
 #pragma once
 
 #include <memory>

@@ -15,7 +15,7 @@ namespace packcell {
 
 // The numbers are those of the blob and of packcell.h.
 enum class Architecture : uint32_t {
-    kActorCritic = 1,         // the paper's network (Fig. 3), for one bin size
+    kActorCritic = 1,         // the paper's network (Fig. 4), for one bin size
     kFullyConvolutional = 2,  // its variant without a linear layer over the map, for any bin size
     kAfterstate = 3,          // tables that give the value of a bin left behind
 };

@@ -1,4 +1,4 @@
-// From what the search has found to the actions of one step (Sec. IV-C2, "Action Generation"): all
+// From what the search has found to the actions of one step (Sec. IV-C3, "Action Generation"): all
 // buffered items that have a place, at most one belt item an arm, and the end of the bin.
 #pragma once
 

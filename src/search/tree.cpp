@@ -203,7 +203,7 @@ void TreeSearch::pop() {
     }
 }
 
-// SequenceSorting and the forward simulation (Sec. IV-C2): keeps the sequence if it ranks higher
+// SequenceSorting and the forward simulation (Sec. IV-C3): keeps the sequence if it ranks higher
 // by score, utilisation, and small depth of what is packed first; with a critic before all by what
 // the bin left behind is worth.
 void TreeSearch::judge(bool complete, KnownSet placed) {

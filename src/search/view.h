@@ -63,7 +63,7 @@ struct View {
 };
 
 // The belt items of this step, chosen from a sequence by the smallest depth: each arm takes at most
-// one (Sec. IV-C2, "Action Generation").
+// one (Sec. IV-C3, "Action Generation").
 struct Picks {
     int count = 0;
     int tuple[2] = {0, 0};  // index in the sequence

@@ -275,6 +275,9 @@ static void cell_arguments_are_checked(void **state) {
     options.range = NAN;
     CHECK_FAILS(PKC_E_ARGUMENT, "range",
                 pkc_cell_optimize_layout(cell, &scenario, &options, NULL, &none));
+    options.range = 0;
+    CHECK_FAILS(PKC_E_ARGUMENT, "range 0: must be above 0, at most 2",
+                pkc_cell_optimize_layout(cell, &scenario, &options, NULL, &none));
     options.range = 2.5;
     CHECK_FAILS(PKC_E_ARGUMENT, "range",
                 pkc_cell_optimize_layout(cell, &scenario, &options, NULL, &none));

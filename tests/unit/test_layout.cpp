@@ -214,11 +214,11 @@ void options_out_of_range_are_refused(void **) {
     assert_string_equal(refusal(cell, scenario, options(100001)).c_str(),
                         "evaluations 100001: must be 1..100000");
     assert_string_equal(refusal(cell, scenario, options(5, 0)).c_str(),
-                        "range 0: must be above 0, at most 5");
-    assert_string_equal(refusal(cell, scenario, options(5, 5.5)).c_str(),
-                        "range 5.5: must be above 0, at most 5");
+                        "range 0: must be above 0, at most 2");
+    assert_string_equal(refusal(cell, scenario, options(5, 2.5)).c_str(),
+                        "range 2.5: must be above 0, at most 2");
     assert_string_equal(refusal(cell, scenario, options(5, NAN)).c_str(),
-                        "range nan: must be above 0, at most 5");
+                        "range nan: must be above 0, at most 2");
 }
 
 }  // namespace

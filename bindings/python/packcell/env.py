@@ -1,6 +1,6 @@
 """Environments for learning, with the interface of Gymnasium (which need not be installed).
 
-They play the paper's low-level process (Sec. III-C) by the protocol of pkc_environment_options:
+They play the paper's low-level process (Sec. III-B) by the protocol of pkc_environment_options:
 
 - state: {"bin": H x W cells, 1 where taken; "item": (w, h) of the next item};
 - action: the position x + y*W of the item's top-left corner; with `rotation` W*H more, for the

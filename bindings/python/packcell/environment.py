@@ -1,4 +1,4 @@
-"""The low level as a decision process (paper, Sec. III-C), many bins side by side: what packcell.env
+"""The low level as a decision process (paper, Sec. III-B), many bins side by side: what packcell.env
 is made of."""
 from __future__ import annotations
 
