@@ -400,6 +400,9 @@ void test_both_arms_count_by_themselves(void **) {
 void test_word_order(void **) {
     Gateway gateway(settings_of("S-R3A2", 6, 6, WordOrder::kLowFirst));
     assert_int_equal(gateway.at(1004), 0x0304);
+    // What the cell is set up for, one word each.
+    const int identity[] = {1, 3, 2, 0, 6, 6};
+    for (int k = 0; k < 6; ++k) assert_int_equal(gateway.at(1008 + k), identity[k]);
     assert_int_equal(gateway.at(1005), 0x0102);
     assert_int_equal(gateway.at(1006), 0xE979);
     assert_int_equal(gateway.at(1007), 0x42F6);

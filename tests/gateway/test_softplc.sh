@@ -41,6 +41,8 @@ if [ "${PACKCELL_CHECK_ALL:-}" = 1 ]; then
     seeds=5
 fi
 scan=1 # cycle of the soft PLC, ms
+# A sanitised gateway keeps what it freed for a while, which must not look as if it grew.
+export ASAN_OPTIONS=quarantine_size_mb=2:thread_local_quarantine_size_kb=64${ASAN_OPTIONS:+:$ASAN_OPTIONS}
 patience=120 # seconds that a slow machine gets for what must come
 
 cd "$work"

@@ -64,6 +64,11 @@ Controller::Controller(const ControllerSettings &settings, Journal &journal, OnE
     image_[kIdentity + 2] = PKC_VERSION_PATCH;
     put_words(settings.word_order, 0x01020304, &image_[kIdentity + 4]);
     put_words(settings.word_order, 0x42F6E979, &image_[kIdentity + 6]);  // 123.456f
+    const pkc_scenario &scenario = settings.scenario;
+    int at = kIdentityScenario;
+    for (const int32_t value :
+         {scenario.robots, scenario.recognized, scenario.accessible, scenario.overlap})
+        image_[at++] = static_cast<uint16_t>(value);
 }
 
 // ---- Journal -----------------------------------------------------------------------------------
@@ -515,6 +520,8 @@ void Controller::publish(const Moment &now) {
         heartbeat_at_ ? saturate((now.micros - *heartbeat_at_) / kMicrosPerMs) : uint16_t{65535};
     put_words(settings_.word_order, static_cast<uint32_t>(sequence_), &image_[kJournalSequence]);
     const pkc_bin_info bin = cell_.bin_info();
+    image_[kIdentityBin] = static_cast<uint16_t>(bin.w);
+    image_[kIdentityBin + 1] = static_cast<uint16_t>(bin.h);
     image_[kUtilization] = saturate(int64_t{10000} * bin.occupied_cells / (bin.w * bin.h));
     image_[kItemsInBin] = saturate(bin.items);
     const pkc_queue_info queue = cell_.queue_info();

@@ -9,7 +9,8 @@ namespace packcell_programs {
 
 constexpr uint16_t kMapMagic = 0x504B;  // "PK"
 constexpr uint16_t kMapMajor = 1;
-constexpr uint16_t kMapMinor = 1;  // 1: pages of a result (100, 101), the next job order (229..231)
+// 1: pages of a result (100, 101), the next job order (229..231); 2: scenario and bin (1008..1013).
+constexpr uint16_t kMapMinor = 2;
 
 constexpr int kArms = 2;
 
@@ -75,6 +76,8 @@ constexpr uint16_t kResultTail = 63;
 // Identity.
 constexpr uint16_t kIdentity = 1000;
 constexpr uint16_t kIdentitySize = 16;
+constexpr uint16_t kIdentityScenario = 1008;  // robots, recognised, accessible, overlap
+constexpr uint16_t kIdentityBin = 1012;
 
 constexpr uint16_t kRegisters = kIdentity + kIdentitySize;
 using Registers = std::array<uint16_t, kRegisters>;

@@ -79,7 +79,7 @@ def agree(order):
     }
     _, version, _ = run_gateway("--version")
     wanted = {"version": [int(v) for v in re.findall(r"\d+", version)[:3]], "whole": 0x01020304,
-              "number": 123.456, "status": [0x504B, 1, 1]}
+              "number": 123.456, "status": [0x504B, 1, 2]}
     for name, client in clients.items():
         # A gateway each: an item is known once.
         journal = work / (name + order)
