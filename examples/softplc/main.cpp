@@ -97,6 +97,7 @@ void check_arguments(Arguments &a) {
         throw UsageError("--instances '" + a.report.instances +
                          "': must be another file than --episodes");
     if (a.sequence.seconds > 0 && !a.bins_given) a.sequence.bins = 0;
+    a.plc.scenario = a.plant.scenario;
     a.plc.scan = a.scan_ms / 1000;
     a.plc.channels = static_cast<int>(a.channels);
     a.plc.patience = static_cast<double>(a.patience);

@@ -15,9 +15,15 @@ constexpr uint16_t kCommandAt[] = {0, 48};
 constexpr uint16_t kLinkAt = 96;
 constexpr uint16_t kStatusAt = 200;
 constexpr uint16_t kResultAt[] = {300, 400};
+constexpr uint16_t kScenarioAt = 1008;  // from map 1.2
 
 double milliseconds(std::chrono::steady_clock::duration span) {
     return std::chrono::duration<double, std::milli>(span).count();
+}
+
+std::string scenario_text(const pkc_scenario &scenario) {
+    char name[32];
+    return pkc_scenario_name(&scenario, name, sizeof name) == PKC_OK ? name : "that cannot be";
 }
 
 template <typename Array>
@@ -100,6 +106,7 @@ void Plc::run_blocks(uint32_t elapsed_ms) {
                       ": must be 20555 and 1, a packcell-gateway's");
     if (link_.restarted) {
         restarted_ = true;
+        scenario_known_ = false;
         ++counts_.restarts;
     }
     for (const std::unique_ptr<Channel> &channel : channels_) {
@@ -143,6 +150,27 @@ void Plc::write_images() {
     link_written_on_ = client_.connections();
 }
 
+// A cell that is set up otherwise would be noticed by a plan that breaks a rule, with items on the
+// belt.
+void Plc::check_scenario() {
+    if (!link_.link_ok || scenario_known_) return;
+    const bool told = status_[1] > 1 || status_[2] >= 2;
+    uint16_t words[4];
+    if (told && !client_.read(kScenarioAt, 4, words)) return;
+    scenario_known_ = true;
+    if (!told) return;
+    auto there = initialised(pkc_scenario_init);
+    there.robots = words[0];
+    there.recognized = words[1];
+    there.accessible = words[2];
+    there.overlap = words[3];
+    const std::string found = scenario_text(there);
+    const std::string wanted = scenario_text(options_.scenario);
+    if (found != wanted)
+        throw Failure(address_text(options_.gateway) + ": scenario " + found + ": must be " +
+                      wanted);
+}
+
 void Plc::judge_patience(Clock::time_point now) {
     if (link_.link_ok) {
         last_alive_ = now;
@@ -174,6 +202,7 @@ void Plc::scan() {
     last_scan_ += elapsed;  // what is less than a millisecond counts next time
     read_images();
     run_blocks(static_cast<uint32_t>(elapsed.count()));
+    check_scenario();
     write_images();
     ++counts_.scans;
     judge_patience(Clock::now());

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "common/handles.hpp"
 #include "common/statistics.hpp"
 #include "gateway/plc/modbus_client.hpp"
 #include "gateway/plc/packcell_fb.h"
@@ -16,7 +17,8 @@ namespace packcell_programs {
 
 struct PlcOptions {
     Address gateway;
-    double scan = 0.01;    // seconds from scan to scan
+    pkc_scenario scenario = initialised(pkc_scenario_init);  // that the gateway must have too
+    double scan = 0.01;                                      // seconds from scan to scan
     double patience = 30;  // seconds without a gateway or an answer before giving up
     bool cyclic = false;   // write every image in every scan, as many PLCs do
     int channels = 1;      // 2: the second arm has its own
@@ -95,6 +97,7 @@ private:
     void write_images();
     void write_command(size_t index);
     void observe(Channel &channel, bool was_acked, bool was_done);
+    void check_scenario();
     void judge_patience(Clock::time_point now);
 
     PlcOptions options_;
@@ -108,6 +111,7 @@ private:
     Clock::time_point last_scan_;
     Clock::time_point last_alive_;
     bool restarted_ = false;
+    bool scenario_known_ = false;  // of the gateway's run that is there now
     PlcCounts counts_;
 };
 

@@ -293,9 +293,15 @@ packs cyclic '--scenario S-R5A3 --rotation off --buffer 1 --repack full' --scena
 
 # ---- Scenarios and states that do not fit --------------------------------------------------------
 start other
-expect_error 1 "^packcell-softplc: the gateway's plan breaks a rule: .*arm" 'another scenario' \
+expect_error 1 "^packcell-softplc: .*: scenario D-R5A3O1: must be S-R5A3$" 'another scenario' \
     timeout $patience "$softplc" --connect "127.0.0.1:$port" --scan 1 --accelerate --quiet \
     --scenario S-R5A3
+recorded() { python3 "$drive" registers "$port" 218 2 | cut -d' ' -f2; }
+before=0
+works() { [ "$(recorded)" -gt $((before + 10)) ]; }
+start_plc left --accelerate --seconds 1000000
+within $patience works || fail 'a cell that somebody left: no work'
+kill -KILL "$plc"
 expect_error 1 "^packcell-softplc: the gateway knows [0-9]+ items .*must begin empty" \
     'a cell that somebody left' \
     timeout $patience "$softplc" --connect "127.0.0.1:$port" --scan 1 --accelerate --quiet
@@ -303,9 +309,6 @@ ends 'another scenario: the gateway' 143 "$serving" TERM
 
 # ---- Ctrl-C --------------------------------------------------------------------------------------
 start interrupted
-recorded() { python3 "$drive" registers "$port" 218 2 | cut -d' ' -f2; }
-before=0
-works() { [ "$(recorded)" -gt $((before + 10)) ]; }
 start_plc interrupted --accelerate --seconds 1000000
 within $patience works || fail 'Ctrl-C: no work'
 plc_ends interrupted 130 INT
