@@ -22,8 +22,9 @@ uint64_t spread(uint64_t bits) {
 // `count` bits as bytes 0 and 1.
 void write_bits(Row row, int count, uint8_t *out) {
     for (; count >= 8; count -= 8, out += 8, row >>= 8) {
-        const uint64_t bytes = spread(static_cast<uint64_t>(row));
-        for (int k = 0; k < 8; ++k) out[k] = static_cast<uint8_t>(bytes >> 8 * k);
+        uint64_t bytes = spread(static_cast<uint64_t>(row));
+        if (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__) bytes = __builtin_bswap64(bytes);
+        std::memcpy(out, &bytes, sizeof bytes);
     }
     for (; count > 0; --count, ++out, row >>= 1) *out = static_cast<uint8_t>(row & 1);
 }
