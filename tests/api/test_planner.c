@@ -427,7 +427,7 @@ typedef struct long_plan {
     pkc_queue *queue;
     pkc_status status;
     pkc_plan_info info;
-    volatile int ended;
+    int ended;
 } long_plan;
 
 static void *run_long_plan(void *at) {
@@ -440,7 +440,7 @@ static void *run_long_plan(void *at) {
     do {
         p->status = pkc_planner_plan(p->planner, p->bin, p->queue, &budget, &p->info);
     } while (p->status == PKC_E_BUSY);
-    p->ended = 1;
+    check_raise(&p->ended);
     return NULL;
 }
 
@@ -461,7 +461,7 @@ static void a_handle_in_use_is_busy_and_cancel_ends_the_plan(void **state) {
     p.info = check_plan_info();
     assert_int_equal(pthread_create(&thread, NULL, run_long_plan, &p), 0);
     /* Until the other thread is inside, the planner has no plan begun. */
-    while (!p.ended) {
+    while (!check_is_raised(&p.ended)) {
         status = pkc_planner_step(p.planner, 1, &done);
         if (status == PKC_E_BUSY) break;
         assert_int_equal(status, PKC_E_STATE);
@@ -475,9 +475,9 @@ static void a_handle_in_use_is_busy_and_cancel_ends_the_plan(void **state) {
     assert_int_equal(done, 77);
     assert_int_equal(count, 77);
     assert_int_equal(info.actions, 0);
-    assert_int_equal(p.ended, 0);
+    assert_int_equal(check_is_raised(&p.ended), 0);
     /* begin() forgets an earlier cancel, so one may come too early to be seen. */
-    while (!p.ended) {
+    while (!check_is_raised(&p.ended)) {
         CHECK_OK(pkc_planner_cancel(p.planner));
         sched_yield();
     }

@@ -323,12 +323,12 @@ static void tables_are_learned_saved_and_learned_on_bit_for_bit(void **state) {
 
 struct canceller {
     pkc_trainer *trainer;
-    volatile int ended;
+    int ended;
 };
 
 static void *cancel_all_the_time(void *argument) {
     struct canceller *c = argument;
-    while (!c->ended) {
+    while (!check_is_raised(&c->ended)) {
         pkc_trainer_cancel(c->trainer);
         usleep(1000);
     }
@@ -343,7 +343,7 @@ static void another_thread_cancels_and_finds_the_handle_busy(void **state) {
     c.trainer = make_trainer(&o);
     assert_int_equal(pthread_create(&thread, NULL, cancel_all_the_time, &c), 0);
     assert_int_equal(pkc_trainer_run(c.trainer, UINT64_C(1) << 40), PKC_OK);
-    c.ended = 1;
+    check_raise(&c.ended);
     assert_int_equal(pthread_join(thread, NULL), 0);
     assert_true(info_of(c.trainer).updates < UINT64_C(1) << 40);
     assert_int_equal(pkc_trainer_cancel(NULL), PKC_E_ARGUMENT);

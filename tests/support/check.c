@@ -7,6 +7,10 @@
 
 #include <cmocka.h>
 
+int check_is_raised(const int *flag) { return __atomic_load_n(flag, __ATOMIC_ACQUIRE); }
+
+void check_raise(int *flag) { __atomic_store_n(flag, 1, __ATOMIC_RELEASE); }
+
 void check_ok(pkc_status status, const char *call, const char *file, int line) {
     if (status == PKC_OK) return;
     print_error("%s:%d: %s: %s: %s\n", file, line, call, pkc_status_name(status), pkc_last_error());

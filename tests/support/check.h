@@ -28,6 +28,10 @@ int32_t check_draw(uint64_t *state, int32_t least, int32_t most);
 
 double check_milliseconds(void); /* wall clock */
 
+/* A flag between two threads: C99 has no atomics of its own. */
+int check_is_raised(const int *flag);
+void check_raise(int *flag);
+
 #define CHECK_OK(call) check_ok((call), #call, __FILE__, __LINE__)
 
 /* The call fails with this status, and pkc_last_error() holds the text, if one is given. */
