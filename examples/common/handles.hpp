@@ -61,6 +61,13 @@ Array all_of(Fill fill) {
     return values;
 }
 
+// "D-R5A3O1". Throws LibraryError for a scenario that cannot be.
+inline std::string name_of(const pkc_scenario &scenario) {
+    char name[32] = "";
+    check(pkc_scenario_name(&scenario, name, sizeof name));
+    return name;
+}
+
 inline pkc_queue_info queue_info(const pkc_queue *queue) {
     auto info = initialised(pkc_queue_info_init);
     check(pkc_queue_get_info(queue, &info));

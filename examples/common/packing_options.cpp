@@ -38,12 +38,6 @@ std::string wrapped(const std::vector<std::string> &names) {
     return text;
 }
 
-std::string default_scenario_name(const pkc_scenario &scenario) {
-    char name[32];
-    check(pkc_scenario_name(&scenario, name, sizeof name));
-    return name;
-}
-
 }  // namespace
 
 std::vector<std::string> policy_names() {
@@ -116,7 +110,7 @@ void PackingOptions::read_buffer(const std::string &value) {
 
 void PackingOptions::add_planner_to(CommandLine &line) {
     line.custom(
-        "--scenario", "NAME", default_scenario_name(scenario_),
+        "--scenario", "NAME", name_of(scenario_),
         [this](const std::string &value) { read_scenario(value); },
         "arms and reach: S- or D- (one or two arms), R items seen,\n"
         "A within an arm's reach, O within both: S-R5A3, D-R5A3O1");

@@ -111,11 +111,9 @@ void add_queue(Json &json, const pkc_queue *queue) {
 }
 
 void add_settings(Json &json, const PlanSettings &settings) {
-    char scenario[kLongestScenario + 1];
-    check(pkc_scenario_name(&settings.scenario, scenario, sizeof scenario));
     const pkc_planner_options &planner = settings.planner;
     const auto defaults = initialised(pkc_planner_options_init);
-    json["scenario"] = scenario;
+    json["scenario"] = name_of(settings.scenario);
     json["rotation"] = planner.rotation != 0;
     json["repack"] = kRepacks.at(static_cast<size_t>(planner.repack));
     json["method"] = kMethods.at(static_cast<size_t>(planner.method - 1));

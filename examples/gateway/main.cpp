@@ -41,9 +41,7 @@ public:
                                       : std::make_unique<HttpPage>(settings.http, page_access())),
           journal_(settings.journal),
           local_(settings.plan_settings(), settings.packing.policy()) {
-        char name[32] = "";
-        check(pkc_scenario_name(&settings.controller.scenario, name, sizeof name));
-        scenario_ = name;
+        scenario_ = name_of(settings.controller.scenario);
         tell_opening();
         make_planner();
         service_ = std::make_unique<Service>(settings.controller, journal_, *planner_, events_);

@@ -83,11 +83,9 @@ void Report::write_svg(const Instance &instance, const Bin &bin) const {
 }
 
 std::string Report::figures(bool utf8) const {
-    char scenario[32] = "";
-    check(pkc_scenario_name(&label_.scenario, scenario, sizeof scenario));
     std::string text =
-        row("scenario", scenario + std::string(", rotation ") + (label_.rotation ? "on" : "off") +
-                            ", repack " + label_.repack);
+        row("scenario", name_of(label_.scenario) + ", rotation " +
+                            (label_.rotation ? "on" : "off") + ", repack " + label_.repack);
     text += row("planner", label_.method + ", " + label_.policy);
     text += row("bins", std::to_string(bins_) + ", " + std::to_string(full_) + " of them full");
     std::string interval;

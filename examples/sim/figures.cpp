@@ -184,12 +184,10 @@ const char *wait_name(int reason) { return kWaitNames[reason]; }
 
 std::string figures_line(const std::string &id, int64_t bin_index, const std::string &cell,
                          const EpisodeLabel &label, const CellFigures &f) {
-    char scenario[32] = "";
-    check(pkc_scenario_name(&label.scenario, scenario, sizeof scenario));
     Json line{{"id", id},
               {"bin_index", bin_index},
               {"cell", cell},
-              {"scenario", scenario},
+              {"scenario", name_of(label.scenario)},
               {"rotation", label.rotation},
               {"repack", label.repack},
               {"policy", label.policy},

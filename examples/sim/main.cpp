@@ -141,9 +141,8 @@ CellRunner make_runner(const pkc_cell *cell, const CellRunOptions &options,
     try {
         return {cell, options, policy};
     } catch (const LibraryError &error) {
-        char name[32] = "";
-        check(pkc_scenario_name(&options.pack.scenario, name, sizeof name));
-        throw LibraryError(error.status(), std::string("scenario ") + name + ": " + error.what());
+        throw LibraryError(error.status(),
+                           "scenario " + name_of(options.pack.scenario) + ": " + error.what());
     }
 }
 

@@ -21,11 +21,6 @@ double milliseconds(std::chrono::steady_clock::duration span) {
     return std::chrono::duration<double, std::milli>(span).count();
 }
 
-std::string scenario_text(const pkc_scenario &scenario) {
-    char name[32];
-    return pkc_scenario_name(&scenario, name, sizeof name) == PKC_OK ? name : "that cannot be";
-}
-
 template <typename Array>
 bool equal(const Array &kept, const uint16_t *image) {
     return std::equal(kept.begin(), kept.end(), image);
@@ -164,8 +159,8 @@ void Plc::check_scenario() {
     there.recognized = words[1];
     there.accessible = words[2];
     there.overlap = words[3];
-    const std::string found = scenario_text(there);
-    const std::string wanted = scenario_text(options_.scenario);
+    const std::string found = name_of(there);
+    const std::string wanted = name_of(options_.scenario);
     if (found != wanted)
         throw Failure(address_text(options_.gateway) + ": scenario " + found + ": must be " +
                       wanted);

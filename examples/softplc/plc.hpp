@@ -17,8 +17,10 @@ namespace packcell_programs {
 
 struct PlcOptions {
     Address gateway;
-    pkc_scenario scenario = initialised(pkc_scenario_init);  // that the gateway must have too
-    double scan = 0.01;                                      // seconds from scan to scan
+    // The gateway must have the same.
+    pkc_scenario scenario = initialised(pkc_scenario_init);
+
+    double scan = 0.01;    // seconds from scan to scan
     double patience = 30;  // seconds without a gateway or an answer before giving up
     bool cyclic = false;   // write every image in every scan, as many PLCs do
     int channels = 1;      // 2: the second arm has its own

@@ -1,30 +1,8 @@
-#include <algorithm>
-#include <utility>
-
-#include "capi/handles.h"
 #include "learn/environment_batch.h"
 
+#include "capi/handles.h"
+
 using namespace packcell;
-
-struct pkc_environment {
-    explicit pkc_environment(EnvironmentBatch &&b) : batch(std::move(b)) {}
-    explicit pkc_environment(const EnvironmentBatch &b) : batch(b) {}
-    EnvironmentBatch batch;
-    mutable std::atomic<bool> busy{false};
-};
-
-namespace packcell {
-
-template <>
-struct FirstLayout<pkc_environment_options> {
-    static constexpr size_t size = 40;
-};
-template <>
-struct FirstLayout<pkc_environment_info> {
-    static constexpr size_t size = 40;
-};
-
-}  // namespace packcell
 
 namespace {
 

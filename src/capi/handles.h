@@ -9,6 +9,7 @@
 #include "capi/guard.h"
 #include "feed/queue.h"
 #include "feed/step.h"
+#include "learn/environment_batch.h"
 #include "learn/generator.h"
 #include "learn/trainer.h"
 #include "policy/policy.h"
@@ -34,6 +35,13 @@ struct pkc_policy {
 struct pkc_trainer {
     explicit pkc_trainer(packcell::Training t) : training(std::move(t)) {}
     packcell::Training training;
+    mutable std::atomic<bool> busy{false};
+};
+
+struct pkc_environment {
+    explicit pkc_environment(packcell::EnvironmentBatch &&b) : batch(std::move(b)) {}
+    explicit pkc_environment(const packcell::EnvironmentBatch &b) : batch(b) {}
+    packcell::EnvironmentBatch batch;
     mutable std::atomic<bool> busy{false};
 };
 
@@ -118,6 +126,14 @@ struct FirstLayout<pkc_trainer_options> {
 template <>
 struct FirstLayout<pkc_trainer_info> {
     static constexpr size_t size = 72;
+};
+template <>
+struct FirstLayout<pkc_environment_options> {
+    static constexpr size_t size = 40;
+};
+template <>
+struct FirstLayout<pkc_environment_info> {
+    static constexpr size_t size = 40;
 };
 template <>
 struct FirstLayout<pkc_generator_options> {

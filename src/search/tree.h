@@ -1,5 +1,5 @@
 // TreeExpansion and the judging of what it yields: Algorithm 2 of the paper with RewardSorting,
-// Selection, BinFullCheck and SequenceSorting, and the forward simulation of Sec. IV-C2. The set X
+// Selection, BinFullCheck and SequenceSorting, and the forward simulation of Sec. IV-C3. The set X
 // is judged as it is produced, so that the best sequence alone is kept. The recursion is held in an
 // explicit stack: a search may pause at any node and go on later.
 #pragma once

@@ -53,10 +53,8 @@ JobOrder order_from(const std::vector<uint8_t> &bytes) {
 }
 
 std::vector<uint8_t> boot_bytes(const BootText &text) {
-    char name[32] = "";
-    check(pkc_scenario_name(&text.scenario, name, sizeof name));
-    const std::string all =
-        std::string(name) + ' ' + std::to_string(text.bin_w) + 'x' + std::to_string(text.bin_h);
+    const std::string all = name_of(text.scenario) + ' ' + std::to_string(text.bin_w) + 'x' +
+                            std::to_string(text.bin_h);
     return {all.begin(), all.end()};
 }
 
