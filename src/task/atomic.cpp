@@ -71,11 +71,10 @@ private:
 
     void unpack(size_t i) {
         const Action &a = actions_[i];
-        const int index = bin_.find(a.item);
-        const Placement &p = bin_.items()[static_cast<size_t>(index)];
+        const Placement p = bin_.remove(static_cast<size_t>(bin_.find(a.item)));
+        queue_.put_in_buffer({p.item, a.arm});
         work_.repacking = true;
-        add(i, AtomicKind::kPick, p.item, {Spot::kBin, 0, p.rect(), p.rot}, -1);
-        freed_[a.arm].push_back({p.rect(), static_cast<int>(work_.arms[a.arm].size()) - 1});
+        add_in_bin(i, AtomicKind::kPick, p);
         if (packed_next(i)) {
             in_hand_[a.arm] = a.item;
         } else {
@@ -86,45 +85,48 @@ private:
 
     void pack(size_t i) {
         const Action &a = actions_[i];
-        Item item{};
-        int32_t rot = 0;
-        if (in_hand_[a.arm] == a.item) {
-            item = bin_.items()[static_cast<size_t>(bin_.find(a.item))].item;
-            in_hand_[a.arm] = -1;
-        } else if (const int slot = slots_.take(a.arm, a.item, rot); slot >= 0) {
-            item = buffered(a.item);
-            add(i, AtomicKind::kPick, item, {Spot::kBuffer, slot, {}, rot}, -1);
-        } else {
+        const Item item = pick_up(i);
+        const Placement p{item, a.x, a.y, a.rot};
+        bin_.place(p);
+        add_in_bin(i, AtomicKind::kPlaceToBin, p);
+    }
+
+    // From the buffer or from the belt, unless the arm holds it.
+    Item pick_up(size_t i) {
+        const Action &a = actions_[i];
+        const int buffered = queue_.find_buffer(a.item);
+        if (buffered < 0) {
             const int place = queue_.find_belt(a.item);
-            if (place < 0) {
-                fail(Status::kState,
-                     "actions[%zu] (op %d, item %d): the item lies in no slot of the buffer of "
-                     "arm %d",
-                     i, a.op, a.item, a.arm);
-            }
-            item = queue_.belt(static_cast<size_t>(place));
+            const Item &item = queue_.belt(static_cast<size_t>(place));
             add(i, AtomicKind::kPick, item, {Spot::kBelt, place, {}, 0}, -1);
+            return item;
         }
-        const Rect cells = Placement{item, a.x, a.y, a.rot}.rect();
-        add(i, AtomicKind::kPlaceToBin, item, {Spot::kBin, 0, cells, a.rot},
-            freed_by(1 - a.arm, cells));
+        const Item item = queue_.take_from_buffer(static_cast<size_t>(buffered)).item;
+        if (in_hand_[a.arm] == a.item) {
+            in_hand_[a.arm] = -1;
+            return item;
+        }
+        int32_t rot = 0;
+        const int slot = slots_.take(a.arm, a.item, rot);
+        if (slot < 0) {
+            fail(Status::kState,
+                 "actions[%zu] (op %d, item %d): the item lies in no slot of the buffer of arm %d",
+                 i, a.op, a.item, a.arm);
+        }
+        add(i, AtomicKind::kPick, item, {Spot::kBuffer, slot, {}, rot}, -1);
+        return item;
     }
 
-    // Unpacked in this step or in an earlier one.
-    const Item &buffered(int32_t id) const {
-        if (const int index = bin_.find(id); index >= 0) {
-            return bin_.items()[static_cast<size_t>(index)].item;
-        }
-        return queue_.buffer()[static_cast<size_t>(queue_.find_buffer(id))].item;
-    }
-
-    // The last pick of the other arm that frees cells under a new place.
-    int freed_by(int arm, const Rect &cells) const {
+    // It waits for the last that the other arm does to the same cells before.
+    void add_in_bin(size_t i, AtomicKind kind, const Placement &p) {
+        const int arm = actions_[i].arm;
+        const Rect cells = p.rect();
         int after = -1;
-        for (const Freed &f : freed_[arm]) {
-            if (intersect(f.cells, cells)) after = std::max(after, f.atomic);
+        for (const Touch &t : touched_[1 - arm]) {
+            if (intersect(t.cells, cells)) after = t.atomic;
         }
-        return after;
+        add(i, kind, p.item, {Spot::kBin, 0, cells, p.rot}, after);
+        touched_[arm].push_back({cells, static_cast<int>(work_.arms[arm].size()) - 1});
     }
 
     // Rule (i). The indices that gates name move on by one.
@@ -140,17 +142,17 @@ private:
         }
     }
 
-    struct Freed {
+    struct Touch {
         Rect cells;
         int atomic;
     };
-    const Bin &bin_;
-    const Queue &queue_;
+    Bin bin_;  // both as the actions so far leave them, but that the belt stands still
+    Queue queue_;
     const Action *actions_;
     size_t count_;
     BufferSlots &slots_;
     StepWork work_;
-    std::vector<Freed> freed_[2];
+    std::vector<Touch> touched_[2];  // cells of the bin, by each arm's atomic actions in turn
     int32_t in_hand_[2] = {-1, -1};
 };
 

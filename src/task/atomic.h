@@ -36,7 +36,7 @@ struct Atomic {
     Location at;
     int32_t action = -1;  // index among the step's primitives
     // Index of the other arm's atomic action in this step that must be done first, as it frees the
-    // cells; -1: none.
+    // cells or puts the item there; -1: none.
     int32_t after = -1;
 };
 

@@ -222,6 +222,37 @@ void a_place_waits_for_the_other_arm_to_free_its_cells(void **) {
     for (const Atomic &a : work.arms[1]) assert_int_equal(a.after, -1);
 }
 
+// It is picked from where the action before has put it, not from where it lay when the step began.
+void an_item_may_move_more_than_once_in_a_step(void **) {
+    Cell cell;
+    StepWork work = cell.sequence(
+        {unpack(12, 0), pack(12, 8, 8, 0), unpack(12, 0), pack(12, 0, 8, 0), pack(0, 7, 7, 0)});
+    expect_work(work,
+                "pick 12 from bin, 12 to bin, pick 12 from bin, 12 to bin, pick 0 from belt 0, "
+                "0 to bin, ready",
+                "");
+    assert_int_equal(work.arms[0][2].at.cells.x, 8);
+    assert_int_equal(work.arms[0][2].at.cells.y, 8);
+
+    // By the other arm: once it lies there, and where it lay once it is gone.
+    work = cell.sequence(
+        {unpack(12, 0), pack(12, 8, 8, 0), unpack(12, 1), pack(12, 0, 8, 1), pack(0, 7, 7, 0)});
+    expect_work(work, "pick 12 from bin, 12 to bin, pick 0 from belt 0, 0 to bin, ready",
+                "standby, pick 12 from bin, 12 to bin, ready");
+    assert_int_equal(work.arms[1][1].after, 1);
+    assert_int_equal(work.arms[0][3].after, 1);
+
+    // One from a buffer, which was not in the bin when the step began.
+    cell.run({unpack(10, 0)});
+    work = cell.run({pack(10, 0, 8, 0), unpack(10, 0), unpack(12, 0), pack(10, 6, 0, 0, 1)});
+    expect_work(work,
+                "pick 10 from buffer 0, 10 to bin, pick 10 from bin, 10 to buffer 0, "
+                "pick 12 from bin, 12 to buffer 1, pick 10 from buffer 0, 10 to bin, ready",
+                "");
+    assert_int_equal(work.arms[0][2].at.cells.w, 3);
+    assert_int_equal(work.arms[0][6].at.rot, 0);
+}
+
 void a_slot_is_kept_until_its_item_is_packed(void **) {
     Cell cell;
     expect_work(cell.run({unpack(10, 0), unpack(12, 0), unpack(11, 1)}),
@@ -397,6 +428,82 @@ void whole_episodes_can_be_carried_out_in_any_order_that_keeps_the_gates(void **
     assert_true(gates > 20);
 }
 
+// A legal step of random actions, which no planner would give.
+std::vector<Action> random_step(Random &random, Bin bin, Queue queue, size_t slots) {
+    std::vector<Action> actions;
+    int picked = 0;  // bits of the arms
+    const auto choose = [&random](size_t n) { return static_cast<size_t>(random.below(n)); };
+    const auto put = [&](const Item &it, int arm) {
+        const int rot = static_cast<int>(random.below(2));
+        Positions positions;
+        bin.feasible(it.turned(rot), positions);
+        std::vector<Action> all;
+        for (int y = 0; y < positions.count; ++y) {
+            for (Row row = positions.rows[static_cast<size_t>(y)]; row != 0; row &= row - 1)
+                all.push_back(pack(it.id, row_lowest(row), y, arm, rot));
+        }
+        if (all.empty()) return false;
+        const Action &a = all[choose(all.size())];
+        bin.place({it, a.x, a.y, a.rot});
+        actions.push_back(a);
+        return true;
+    };
+    for (int i = 0; i < 12; ++i) {
+        const int arm = static_cast<int>(random.below(2));
+        const uint64_t kind = random.below(5);
+        if (kind == 0 && queue.belt_size() > 0) {
+            const auto place = static_cast<int>(choose(std::min<size_t>(queue.belt_size(), 5)));
+            const int arms = reach(queue.scenario(), queue.regions(), place);
+            const Item &it = queue.belt(static_cast<size_t>(place));
+            if ((arms & 1 << arm) == 0 || (picked & 1 << arm) != 0 || bin.find(it.id) >= 0)
+                continue;
+            if (put(it, arm)) picked |= 1 << arm;
+        } else if (kind <= 2 && !queue.buffer().empty()) {
+            const size_t index = choose(queue.buffer().size());
+            const Buffered b = queue.buffer()[index];
+            if (put(b.item, b.arm)) queue.take_from_buffer(index);
+        } else if (!bin.items().empty()) {
+            const size_t index = choose(bin.items().size());
+            const Item it = bin.items()[index].item;
+            const auto held = std::count_if(queue.buffer().begin(), queue.buffer().end(),
+                                            [arm](const Buffered &b) { return b.arm == arm; });
+            if (static_cast<size_t>(held) == slots || queue.holds(it.id)) continue;
+            bin.remove(index);
+            queue.put_in_buffer({it, arm});
+            actions.push_back(unpack(it.id, arm));
+        }
+    }
+    return actions;
+}
+
+void random_steps_can_be_carried_out_in_any_order_that_keeps_the_gates(void **) {
+    int again = 0;
+    for (uint64_t seed = 1; seed <= 300; ++seed) {
+        Random random(seed);
+        Cell cell;
+        for (int32_t id = 20; id < 80; ++id) {
+            const int w = 1 + static_cast<int>(random.below(4));
+            const int h = 1 + static_cast<int>(random.below(4));
+            cell.queue.push(item(id, w, h));
+        }
+        std::map<int32_t, Location> buffers[2];
+        for (int step = 0; step < 20; ++step) {
+            const std::vector<Action> actions =
+                random_step(random, cell.bin, cell.queue, static_cast<size_t>(kSlots));
+            std::map<int32_t, int> packs;
+            for (const Action &a : actions) again += a.op == kPack && ++packs[a.item] > 1 ? 1 : 0;
+            const PlannedStep before{cell.bin, cell.queue, actions};
+            const StepWork work = cell.run(actions);
+            Actor actor(before, work, seed);
+            actor.act(random, buffers);
+            expect(actor.bin().hash() == cell.bin.hash(), seed, "the bin is another one", step, 0);
+            expect(buffers[0].size() + buffers[1].size() == cell.queue.buffer().size(), seed,
+                   "items in the buffers", step, 0);
+        }
+    }
+    assert_true(again > 300);
+}
+
 // ---- Allocation ---------------------------------------------------------------------------------
 
 std::vector<int> arms_of(const Queue &queue, const BeltDistances &distances,
@@ -475,10 +582,12 @@ int main() {
         cmocka_unit_test(what_the_arm_packs_next_stays_in_its_hand),
         cmocka_unit_test(unpacked_items_are_packed_in_reverse_order),
         cmocka_unit_test(a_place_waits_for_the_other_arm_to_free_its_cells),
+        cmocka_unit_test(an_item_may_move_more_than_once_in_a_step),
         cmocka_unit_test(a_slot_is_kept_until_its_item_is_packed),
         cmocka_unit_test(a_buffer_without_a_place_is_a_limit),
         cmocka_unit_test(what_breaks_a_rule_changes_nothing),
         cmocka_unit_test(whole_episodes_can_be_carried_out_in_any_order_that_keeps_the_gates),
+        cmocka_unit_test(random_steps_can_be_carried_out_in_any_order_that_keeps_the_gates),
         cmocka_unit_test(items_go_to_the_nearest_arm_that_reaches_them),
         cmocka_unit_test(two_items_that_both_arms_reach_are_swapped_where_that_is_nearer),
         cmocka_unit_test(one_robot_takes_everything),
