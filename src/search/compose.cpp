@@ -5,7 +5,9 @@
 namespace packcell {
 
 StepComposer::StepComposer(int max_side, size_t max_items, bool balance)
-    : after_(max_side, max_side, max_items + kMaxKnown), balance_(balance) {
+    : after_(max_side, max_side, max_items + kMaxKnown),
+      balance_(balance),
+      moves_(max_side, max_items) {
     belt_.reserve(2 * kMaxKnown);
     actions_.reserve(kMaxActions);
 }
@@ -31,17 +33,16 @@ void StepComposer::add_outcome(const Outcome &outcome) {
     pack_picks();
 }
 
-bool StepComposer::add_repacking(const Repacking &r, int buffer_capacity) {
-    moves_.arrange(*bin_, *view_, r, buffer_capacity);
-    for (const Action &a : moves_.actions()) {
-        if (a.op == kUnpack) {
-            after_.remove(static_cast<size_t>(after_.find(a.item)));
-            actions_.push_back(a);
+bool StepComposer::add_repacking(const Repacking &r, int buffer_capacity, bool rotation) {
+    moves_.arrange(*bin_, *view_, r, buffer_capacity, rotation);
+    for (const Primitive &p : moves_.primitives()) {
+        if (p.op == kPack) {
+            pack(p.placement, p.arm);
             continue;
         }
-        const auto placed = std::find_if(r.packed.begin(), r.packed.end(),
-                                         [&a](const Placement &p) { return p.item.id == a.item; });
-        pack(*placed, a.arm);
+        const int32_t id = p.placement.item.id;
+        after_.remove(static_cast<size_t>(after_.find(id)));
+        actions_.push_back({kUnpack, id, 0, 0, 0, p.arm});
     }
     for (size_t i = 0; i < r.packed.size(); ++i) {
         const int known = r.known[i];

@@ -32,7 +32,7 @@ public:
     // the bin further nor takes an item off the belt in this step is not added: it would be planned
     // again and again.
     void add_outcome(const Outcome &outcome);
-    bool add_repacking(const Repacking &repacking, int buffer_capacity);
+    bool add_repacking(const Repacking &repacking, int buffer_capacity, bool rotation);
     void add_greedy(const Policy &policy, bool rotation);
 
     // Skips, where items cannot be packed, and TERMINATE, where the bin ends.

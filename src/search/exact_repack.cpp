@@ -24,7 +24,8 @@ ExactRepack::ExactRepack(int max_side, size_t max_items, uint64_t memory)
     : targets_(2 * kMaxKnown),
       bare_(max_side, max_side, max_items),
       packer_(max_side, 2 * kMaxKnown, memory / 2),
-      unpack_(max_side, max_items, memory / 2) {
+      unpack_(max_side, max_items, memory / 2),
+      moves_(max_side, max_items) {
     for (std::vector<int> *v :
          {&movable_, &buffered_, &areas_, &item_known_, &leave_, &need_known_}) {
         v->reserve(2 * kMaxKnown);
@@ -177,10 +178,10 @@ void ExactRepack::begin_fits() {
 }
 
 void ExactRepack::begin_unpack() {
-    // With a repacking for as many cells in hand, only fewer items to move are an improvement.
+    // With a repacking for as many cells in hand, only fewer moves are an improvement.
     const bool rival = best_.found() && best_.occupied >= bare_.occupied() + targets_.target().area;
     const auto leaving = static_cast<int>(leave_.size());
-    const int most = rival ? static_cast<int>(best_.unpacked.size()) - 1 - leaving : kMaxKnown;
+    const int most = rival ? best_.unpacks - 1 - leaving : kMaxKnown;
     target_met_ = rival;
     if (most < 0) {
         stage_ = Stage::kTarget;
@@ -237,20 +238,20 @@ void ExactRepack::take_arrangement() {
     keep();
 }
 
-// Keeps what was taken where the buffers allow it, if it fills more than the best so far, or as
-// much with no more items moved; false where they do not.
+// Keeps what was taken where the buffers allow it and it fills more than the best so far, or as
+// much with no more moves; whether it was kept.
 bool ExactRepack::keep() {
-    if (!moves_.arrange(*bin_, *view_, trial_, options_.buffer_capacity)) {
+    if (!moves_.arrange(*bin_, *view_, trial_, options_.buffer_capacity, options_.rotation)) {
         blocked_ = true;
         return false;
     }
     target_met_ = true;
     trial_.occupied = bare_.occupied() + targets_.target().area;
-    if (!best_.found() || trial_.occupied > best_.occupied ||
-        trial_.unpacked.size() <= best_.unpacked.size()) {
-        std::swap(best_, trial_);
-    }
-    return true;
+    trial_.unpacks = moves_.unpacks();
+    const bool better =
+        !best_.found() || trial_.occupied > best_.occupied || trial_.unpacks <= best_.unpacks;
+    if (better) std::swap(best_, trial_);
+    return better;
 }
 
 }  // namespace packcell

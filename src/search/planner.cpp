@@ -206,7 +206,8 @@ void Planner::compose() {
     const Repacking *r = repacking();
     step_.start(bin_, view_);
     plan_.score = 0;
-    plan_.repacked = r != nullptr && step_.add_repacking(*r, options_.buffer_capacity);
+    plan_.repacked =
+        r != nullptr && step_.add_repacking(*r, options_.buffer_capacity, options_.rotation);
     if (plan_.repacked) {
         plan_.occupied = r->occupied;
     } else if (outcome.length > 0) {

@@ -7,7 +7,8 @@ namespace packcell {
 RepackTrial::RepackTrial(int max_side, size_t max_items, uint64_t memory)
     : subset_(kMaxKnown),
       trial_bin_(max_side, max_side, max_items),
-      tree_(max_side, max_items, kMaxKnown, memory) {
+      tree_(max_side, max_items, kMaxKnown, memory),
+      moves_(max_side, max_items) {
     movable_.reserve(kMaxKnown);
     trial_view_.known.reserve(kMaxKnown);
     found_.reserve(kMaxKnown);
@@ -98,7 +99,7 @@ void RepackTrial::keep() {
     for (const Known &k : view_->known) left += k.buffered() ? 1 : 0;
     for (const int known : found_.known) left -= known < 0 || (*view_)[known].buffered() ? 1 : 0;
     if (left > most_left_) return;
-    if (!moves_.arrange(*bin_, *view_, found_, buffer_capacity_)) return;
+    if (!moves_.arrange(*bin_, *view_, found_, buffer_capacity_, options_.rotation)) return;
     std::swap(best_, found_);
     done_ = options_.require_full;
 }

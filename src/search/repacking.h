@@ -10,6 +10,7 @@ namespace packcell {
 
 struct Repacking {
     int occupied = 0;               // cells taken once all of it is carried out
+    int unpacks = 0;                // moves out of the bin, some items' more than one
     std::vector<int> unpacked;      // indices in the bin's items, in the order they are taken out
     std::vector<Placement> packed;  // of the items taken out, those that go back, and of known ones
     std::vector<int> known;         // which known item packed[i] is, or -1 for one taken out

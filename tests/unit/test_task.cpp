@@ -398,11 +398,13 @@ private:
 void whole_episodes_can_be_carried_out_in_any_order_that_keeps_the_gates(void **) {
     int gates = 0;
     int repacks = 0;
+    int again = 0;  // packs of items that were set down on their way
     for (uint64_t seed = 1; seed <= 60; ++seed) {
         EpisodeOptions options;
         options.scenario = seed % 3 == 0 ? "D-R5A2O2" : seed % 3 == 1 ? "D-R5A3O1" : "S-R5A3";
         options.repacks = true;
         options.bin = {8, 8};
+        options.buffer = static_cast<int>(seed / 3 % 3);
         BufferSlots slots(options.buffer, options.buffer);
         std::map<int32_t, Location> buffers[2];
         Random random(seed);
@@ -418,6 +420,8 @@ void whole_episodes_can_be_carried_out_in_any_order_that_keeps_the_gates(void **
             expect(buffers[0].size() + buffers[1].size() == left.buffer().size(), seed,
                    "items in the buffers", 0, 0);
             repacks += work.repacking ? 1 : 0;
+            std::map<int32_t, int> packs;
+            for (const Action &a : step.actions) again += a.op == kPack && ++packs[a.item] > 1;
             for (const auto &arm : work.arms) {
                 gates += static_cast<int>(std::count_if(
                     arm.begin(), arm.end(), [](const Atomic &a) { return a.after >= 0; }));
@@ -425,6 +429,7 @@ void whole_episodes_can_be_carried_out_in_any_order_that_keeps_the_gates(void **
         }
     }
     assert_true(repacks > 20);
+    assert_true(again > 0);
     assert_true(gates > 20);
 }
 
