@@ -8,8 +8,8 @@ namespace packcell {
 
 namespace {
 
-// What is not found soon is rarely found: of 1000 `table` sets in S-R1A1 without a buffer 827 can
-// be filled by packing alone, 892 with 30 nodes and 895 with 3000.
+// What is not found soon is rarely found: of 1000 `table` sets in S-R1A1 without a buffer 827 are
+// filled with no detours, 892 with 10 nodes, 897 with 30 and 899 with 3000.
 constexpr int kMostNodes = 30;
 constexpr int kMostDetours = 6;
 constexpr size_t kMostMoves = 32;
