@@ -110,10 +110,10 @@ fuzz:
 	@.ci/setup build test fuzz
 	@CC=clang CXX=clang++ $(INSTRUMENTED) -DPACKCELL_SANITIZE=address -DPACKCELL_LIBFUZZER=ON \
 	    -DCMAKE_CXX_FLAGS=-fsanitize=fuzzer-no-link
-	@$(call COMPILE,build/fuzz --target fuzz_blob fuzz_gateway)
-	@mkdir -p build/fuzz/corpus/blob build/fuzz/corpus/gateway
+	@$(call COMPILE,build/fuzz --target fuzz_blob fuzz_gateway fuzz_calls)
+	@mkdir -p build/fuzz/corpus/blob build/fuzz/corpus/gateway build/fuzz/corpus/calls
 	@cp tests/golden/*.pkw build/fuzz/corpus/blob
-	@cd build/fuzz && for target in blob gateway; do \
+	@cd build/fuzz && for target in blob gateway calls; do \
 	    tests/fuzz_$$target -max_total_time=$(FUZZ_SECONDS) -print_final_stats=1 corpus/$$target; done
 
 # clang-tidy counts the warnings that it does not show on stderr, where only its failures matter.
@@ -184,7 +184,7 @@ help:
 	@echo "make bench        our figures beside the paper's, short counts"
 	@echo "make train        train the default policy; policy and curves in out/ (SEED=$(SEED))"
 	@echo "make train-a3c    train the paper's network likewise"
-	@echo "make fuzz         libFuzzer on weight blobs and on the gateway, FUZZ_SECONDS=$(FUZZ_SECONDS) each"
+	@echo "make fuzz         libFuzzer on weight blobs, gateway and calls, FUZZ_SECONDS=$(FUZZ_SECONDS) each"
 	@echo "make asan         tests with the address and undefined-behaviour sanitizers"
 	@echo "make tsan         tests with the thread sanitizer"
 	@echo "make valgrind     unit and api tests under valgrind"

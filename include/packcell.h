@@ -749,7 +749,8 @@ typedef struct pkc_cell_info {
     int32_t joints[2];       /* of each arm: 6 or 4; 0 where there is none */
     double margin;           /* kept between the arms */
     double tick;             /* of coordination */
-    double cycle; /* one arm's: home, middle of its zones, middle of the bin, home, with dwells */
+    double cycle; /* one arm's: home, middle of its zones, middle of the bin, home, with dwells; 0
+                     where arm 0 does not reach the second of three zones */
     char name[32];
 } pkc_cell_info;
 PKC_API pkc_status pkc_cell_info_init(pkc_cell_info *info, size_t size);
@@ -819,7 +820,8 @@ PKC_API void pkc_schedule_free(pkc_schedule *schedule);
  * begins once the last step's items are off the belt, the belt has moved and the step is planned;
  * planning takes the seconds that the cell description says. PKC_E_STATE if the step is not legal
  * or the arms block each other for good, with the pair in pkc_last_error(); PKC_E_LIMIT if a buffer
- * has no place left, or for more than PKC_MAX_ACTIONS; PKC_E_ARGUMENT if the bin has not the cell's
+ * has no place left, for more than PKC_MAX_ACTIONS, or for work of more than 2^20 of the cell's
+ * ticks an arm or 2^26 pairs of both arms' ticks; PKC_E_ARGUMENT if the bin has not the cell's
  * sides or the queue not the schedule's scenario. */
 PKC_API pkc_status pkc_schedule_add_step(pkc_schedule *schedule, const pkc_bin *bin,
                                          const pkc_queue *queue, const pkc_action *actions,
@@ -909,8 +911,8 @@ PKC_API pkc_status pkc_simulation_options_init(pkc_simulation_options *options, 
 typedef struct pkc_simulation pkc_simulation;
 
 /* Runs what the schedule has so far, to its end. NULL options are the defaults. Equal schedules and
- * options give equal runs. PKC_E_STATE for more than a day or 16384 items. Free with
- * pkc_simulation_free. */
+ * options give equal runs. PKC_E_STATE for more than a day or 16384 items, or where an id comes a
+ * second time, for another item. Free with pkc_simulation_free. */
 PKC_API pkc_status pkc_simulate(const pkc_schedule *schedule, const pkc_simulation_options *options,
                                 pkc_simulation **out_simulation);
 PKC_API void pkc_simulation_free(pkc_simulation *simulation);

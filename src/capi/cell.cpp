@@ -14,6 +14,15 @@ namespace {
 
 static_assert(PKC_MAX_JOINTS == kMaxJoints);
 
+// 0 where arm 0 reaches no three zones of the belt: the cell may be for scenarios with fewer.
+double cycle_of(const CellLayout &cell) {
+    try {
+        return reference_cycle(cell);
+    } catch (const Error &) {
+        return 0;
+    }
+}
+
 pkc_cell_info info_of(const CellLayout &cell) {
     pkc_cell_info info = {};
     info.struct_size = sizeof info;
@@ -27,7 +36,7 @@ pkc_cell_info info_of(const CellLayout &cell) {
     }
     info.margin = cell.margin;
     info.tick = cell.tick;
-    info.cycle = reference_cycle(cell);
+    info.cycle = cycle_of(cell);
     std::snprintf(info.name, sizeof info.name, "%s", cell.name);
     return info;
 }

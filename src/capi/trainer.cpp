@@ -1,5 +1,6 @@
 #include "learn/trainer.h"
 
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -59,10 +60,21 @@ TrainerOptions default_training() {
 
 pkc_trainer_options default_options() { return to_c(default_training()); }
 
+void require_number(const char *name, double value) {
+    if (!std::isfinite(value)) fail(Status::kArgument, "%s %g: must be finite", name, value);
+}
+
 TrainerOptions checked_options(const pkc_trainer_options &o) {
     require_range("learner", o.learner, PKC_LEARNER_A3C, PKC_LEARNER_AFTERSTATE);
     require_range("architecture", o.architecture, PKC_ARCH_ACTOR_CRITIC, PKC_ARCH_AFTERSTATE);
     require_range("reserved", o.reserved, 0, 0);
+    // Also those that the learner does not use: a checkpoint of others could not be loaded.
+    require_number("gamma", o.gamma);
+    require_number("learning_rate", o.learning_rate);
+    require_number("entropy", o.entropy);
+    require_number("value_weight", o.value_weight);
+    require_number("clip", o.clip);
+    require_number("reward_fill", o.reward_fill);
     TrainerOptions options;
     options.learner = static_cast<LearnerKind>(o.learner);
     A3cOptions &a = options.a3c;

@@ -285,6 +285,7 @@ private:
                 moving_[left++] = m;
                 continue;
             }
+            if (!world_.there(shift.item)) continue;  // skipped, it went as it came
             world_.rest_belt(shift.item);
             if (shift.to >= scenario_.n_max()) continue;
             const Arrival arrival = {now, roster_.items[shift.item].item.id, shift.to,

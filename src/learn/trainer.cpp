@@ -59,7 +59,12 @@ struct Write {
 struct Read {
     ByteReader &in;
     void operator()(const char *, int &value) { value = in.i32(); }
-    void operator()(const char *, bool &value) { value = in.u8() != 0; }
+    void operator()(const char *what, bool &value) {
+        const size_t at = in.at();
+        const uint8_t byte = in.u8();
+        if (byte > 1) fail(Status::kFormat, "byte %zu: %s %u: must be 0 or 1", at, what, byte);
+        value = byte != 0;
+    }
     void operator()(const char *, uint64_t &value) { value = in.u64(); }
     void operator()(const char *what, double &value) {
         const size_t at = in.at();
@@ -89,8 +94,14 @@ TrainerOptions read_options(ByteReader &in) {
     TrainerOptions o;
     o.learner = static_cast<LearnerKind>(in.ranged("learner", 1, 2));
     o.a3c.shape.architecture = static_cast<Architecture>(in.ranged("architecture", 1, 3));
+    const size_t at = in.at();
     const auto *name = reinterpret_cast<const char *>(in.take(kNameBytes));
-    o.a3c.name.assign(name, strnlen(name, kNameBytes));
+    const size_t length = strnlen(name, kNameBytes);
+    for (size_t i = length; i < kNameBytes; ++i) {
+        if (name[i] != 0)
+            fail(Status::kFormat, "byte %zu: something follows the end of the name", at + i);
+    }
+    o.a3c.name.assign(name, length);
     each_option(o.a3c, Read{in});
     return o;
 }

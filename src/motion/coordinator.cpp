@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "base/status.h"
 
@@ -10,6 +11,24 @@ namespace packcell {
 namespace {
 
 constexpr size_t kUsualWays = 5;  // that are compared; further ones are for want of any
+
+// Puts a state back as it was, whatever is thrown, unless what was done is kept.
+template <class State>
+class Undo {
+public:
+    explicit Undo(State &state) : state_(state), before_(state) {}
+    Undo(const Undo &) = delete;
+    Undo &operator=(const Undo &) = delete;
+    ~Undo() {
+        if (!kept_) state_ = std::move(before_);
+    }
+    void keep() { kept_ = true; }
+
+private:
+    State &state_;
+    State before_;
+    bool kept_ = false;
+};
 
 }  // namespace
 
@@ -46,21 +65,18 @@ void Coordinator::add_step(const StepPlan &plan) {
     // The paper's steps do not overlap. The others' do, unless the arms, caught in the middle of
     // what they do, block each other: at home they do not.
     const int home = std::max(r.at, all_home());
-    const State before = state_;
     if (mode_ != CoordinationMode::kSyncPaper) {
         try {
+            Undo undo(state_);
             start_step(plan, r, r.at);
+            undo.keep();
             return;
-        } catch (const Error &) {
-            state_ = before;
+        } catch (const Error &) {  // from home, then
         }
     }
-    try {
-        start_step(plan, r, home);
-    } catch (const Error &) {
-        state_ = before;
-        throw;
-    }
+    Undo undo(state_);
+    start_step(plan, r, home);
+    undo.keep();
 }
 
 void Coordinator::start_step(const StepPlan &plan, const Release &r, int now) {
@@ -322,19 +338,17 @@ void Coordinator::settle(const Encounter &encounter, const DiagramPath &path,
 
 void Coordinator::put_aside(int arm_index, int32_t item, double time, const Task &to) {
     const int now = ticks_for(time, cell_->tick);
-    const State before = state_;
     if (now < std::max(state_.released, state_.settled)) {
         fail(Status::kState, "%g s: is before %g s, when the last step was released", time,
              std::max(state_.released, state_.settled) * cell_->tick);
     }
+    Undo undo(state_);
     begin_until(now);
     Arm &a = arm(arm_index);
     const bool lets_go = a.current.dwell && a.end > now && !a.handovers.empty() &&
                          !a.handovers.back().grip && a.handovers.back().item.id == item;
-    if (!lets_go) {
-        state_ = before;
+    if (!lets_go)
         fail(Status::kState, "arm %d does not let go of item %d at %g s", arm_index, item, time);
-    }
     Handover &h = a.handovers.back();
     h.aside = true;
     const double held = half_diagonal(*cell_, h.item);
@@ -350,12 +364,8 @@ void Coordinator::put_aside(int arm_index, int32_t item, double time, const Task
     a.work.push_front({aside, false});
     state_.settled = now;
     for (int i = 0; i < robots_; ++i) pause(arm(i), now - arm(i).end, WaitReason::kOtherArm);
-    try {
-        coordinate(now);
-    } catch (const Error &) {
-        state_ = before;
-        throw;
-    }
+    coordinate(now);
+    undo.keep();
 }
 
 Schedule Coordinator::schedule() const {

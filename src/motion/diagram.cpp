@@ -21,7 +21,6 @@
 namespace packcell {
 namespace {
 
-constexpr int64_t kMaxPairs = int64_t{1} << 26;
 constexpr int kMaxBeltTicks = 1 << 26;
 constexpr uint64_t kMaxNodes = uint64_t{1} << 30;  // three labels each are still counted in 32 bits
 constexpr int kNoWay = -(1 << 30);

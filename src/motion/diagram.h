@@ -8,6 +8,9 @@
 
 namespace packcell {
 
+// Of ticks of the two agents that a diagram may have.
+constexpr int64_t kMaxPairs = int64_t{1} << 26;
+
 // Agent a is at tick 0..ticks[a] of its path; in one tick of time it goes on by one or, where its
 // hold flag says so (it is at rest there), stays.
 struct Diagram {

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "base/status.h"
+
 namespace packcell {
 
 namespace {
 
 constexpr uint64_t kMaxNodes = 3000000;
+constexpr int64_t kMaxTicks = int64_t{1} << 20;  // of an arm: each takes some 300 bytes
 
 bool takes_from_belt(const Piece &piece) {
     return piece.dwell && piece.task.atomic.kind == AtomicKind::kPick &&
@@ -15,6 +18,30 @@ bool takes_from_belt(const Piece &piece) {
 
 bool share_cells(const Location &a, const Location &b) {
     return a.spot == Spot::kBin && b.spot == Spot::kBin && intersect(a.cells, b.cells);
+}
+
+int64_t ticks_of(const ArmPlan &plan) {
+    int64_t ticks = plan.current.parts.empty() ? 0 : plan.current.ticks - plan.skip;
+    for (const Piece &piece : plan.pieces) ticks += piece.ticks;
+    return ticks;
+}
+
+// What follows takes memory by the tick and by the pair of ticks.
+const std::vector<ArmPlan> &checked(const std::vector<ArmPlan> &plans) {
+    int64_t pairs = 1;
+    for (size_t arm = 0; arm < plans.size(); ++arm) {
+        const int64_t ticks = ticks_of(plans[arm]);
+        if (ticks > kMaxTicks) {
+            fail(Status::kLimit, "arm %zu moves for %lld ticks: must be at most %lld", arm,
+                 static_cast<long long>(ticks), static_cast<long long>(kMaxTicks));
+        }
+        pairs *= ticks + 1;
+    }
+    if (pairs > kMaxPairs) {
+        fail(Status::kLimit, "the arms' ticks make %lld pairs: must be at most %lld",
+             static_cast<long long>(pairs), static_cast<long long>(kMaxPairs));
+    }
+    return plans;
 }
 
 ArmPath laid_path(const CellLayout &cell, int arm, const std::vector<ArmPlan> &plans) {
@@ -36,7 +63,7 @@ Encounter::Encounter(const CellLayout &cell, int robots, CoordinationMode mode,
                      const std::vector<ArmPlan> &plans)
     : mode_(mode),
       robots_(robots),
-      plans_(plans),
+      plans_(checked(plans)),
       paths_{laid_path(cell, 0, plans), laid_path(cell, 1, plans)},
       clearance_(paths_[0], paths_[1], cell.margin) {
     for (int arm = 0; arm < 2; ++arm) {

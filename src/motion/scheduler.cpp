@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <utility>
 
 #include "base/status.h"
 
@@ -173,30 +175,38 @@ void Scheduler::add_step(const Bin &bin, const Queue &queue, const Action *actio
     const StepWork work = sequence_step(bin, queue, actions, count, slots);
     const StepPlan plan = make_plan(work, queue, actions, count);
 
-    // The mode itself first: an incumbent that finds no way is dropped.
-    coordinators_.back()->add_step(plan);
+    // All that may fail comes before the mode itself, which adds the step or is as before.
+    std::vector<int32_t> skipped;
+    if (plan.belt_seconds <= 0) skipped = skipped_;  // else they went as the belt moved
+    for (size_t i = 0; i < count; ++i) {
+        if (actions[i].op == kSkip) skipped.push_back(actions[i].item);
+    }
+    std::vector<OnBelt> belt;
+    const int seen = std::max(scenario_.recognized, scenario_.n_max());
+    const auto on_belt = std::min(queue.belt_size(), static_cast<size_t>(seen));
+    for (size_t i = 0; i < on_belt; ++i) {
+        belt.push_back({queue.belt(i), belt_zone(scenario_, queue.regions(), static_cast<int>(i))});
+    }
+    plans_.push_back(plan);
+    try {
+        coordinators_.back()->add_step(plan);
+    } catch (...) {
+        plans_.pop_back();
+        throw;
+    }
+    // An incumbent that finds no way, or no memory, is dropped.
     for (size_t i = 0; i + 1 < coordinators_.size();) {
         try {
             coordinators_[i]->add_step(plan);
             ++i;
-        } catch (const Error &) {
+        } catch (const std::exception &) {
             coordinators_.erase(coordinators_.begin() + static_cast<std::ptrdiff_t>(i));
         }
     }
-    slots_ = slots;
-    if (plan.belt_seconds > 0) skipped_.clear();  // they went as the belt moved
-    for (size_t i = 0; i < count; ++i) {
-        if (actions[i].op == kSkip) skipped_.push_back(actions[i].item);
-    }
-    belt_.clear();
-    const int seen = std::max(scenario_.recognized, scenario_.n_max());
-    const auto on_belt = std::min(queue.belt_size(), static_cast<size_t>(seen));
-    for (size_t i = 0; i < on_belt; ++i) {
-        belt_.push_back(
-            {queue.belt(i), belt_zone(scenario_, queue.regions(), static_cast<int>(i))});
-    }
+    slots_ = std::move(slots);
+    skipped_ = std::move(skipped);
+    belt_ = std::move(belt);
     recognized_ = std::min(on_belt, static_cast<size_t>(scenario_.recognized));
-    plans_.push_back(plan);
 }
 
 const Coordinator &Scheduler::best() const {

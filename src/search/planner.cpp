@@ -1,6 +1,7 @@
 #include "search/planner.h"
 
 #include <algorithm>
+#include <bitset>
 
 #include "base/clock.h"
 #include "base/status.h"
@@ -95,7 +96,17 @@ void Planner::begin(const Bin &bin, const Queue &queue, uint64_t max_nodes,
         fail(Status::kState, "item %d is in the bin and in the queue: ids must differ", id);
     };
     for (const Buffered &b : queue.buffer()) require_new(b.item.id);
-    for (size_t place = 0; place < seen; ++place) require_new(queue.belt(place).id);
+    // An item that is unpacked joins the queue, where it may meet one that is not seen yet. The
+    // conveyor may be long: most of its ids differ from the bin's in their last bits already.
+    constexpr size_t kBits = 1024;
+    const auto id_bits = [](int32_t id) { return static_cast<uint32_t>(id) % kBits; };
+    std::bitset<kBits> bits;
+    for (const Placement &p : bin.items()) bits.set(id_bits(p.item.id));
+    const size_t meets = queue.belt_size();
+    for (size_t place = 0; place < meets; ++place) {
+        const int32_t id = queue.belt(place).id;
+        if (bits.test(id_bits(id))) require_new(id);
+    }
     cancel_.store(false, std::memory_order_relaxed);
     bin_.assign(bin);
     view_.look(queue);

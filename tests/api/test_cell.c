@@ -178,6 +178,21 @@ static pkc_status load_changed(const char *preset, const char *at, const char *o
     return status;
 }
 
+/* One for other scenarios than the cycle is of. */
+static void a_cell_that_reaches_few_zones_has_no_cycle(void **state) {
+    const pkc_scenario scenario = scenario_of("S-R1A1");
+    pkc_cell *cell = NULL;
+    pkc_cell_info info;
+    (void)state;
+    CHECK_OK(load_changed("ur5e", "\"belt\"", "[0.0, 0.44]", "[-0.9, 0.5]", &cell));
+    CHECK_OK(pkc_cell_check(cell, &scenario));
+    CHECK_OK(pkc_cell_info_init(&info, sizeof info));
+    CHECK_OK(pkc_cell_get_info(cell, &info));
+    assert_int_equal(info.arms, 2);
+    assert_true(info.cycle == 0);
+    pkc_cell_free(cell);
+}
+
 static void a_bad_description_is_told_by_field_and_value(void **state) {
     pkc_cell *cell = NULL;
     (void)state;
@@ -634,6 +649,34 @@ static pkc_simulation_info simulated(const pkc_schedule *schedule,
     return info;
 }
 
+/* It is refused before memory is taken for it; a shorter one is not. */
+static void a_step_of_too_many_ticks_is_told(void **state) {
+    static pkc_action step[PKC_MAX_ACTIONS];
+    const pkc_scenario scenario = scenario_of("S-R1A1");
+    pkc_cell *cell = NULL;
+    pkc_schedule *schedule = NULL;
+    pkc_schedule_info info;
+    scene s = make_scene("ur5e", "S-R1A1", PKC_MODE_COORDINATED);
+    int32_t i;
+    (void)state;
+    check_pack(s.bin, 9, 2, 2, 0, 0);
+    for (i = 0; i < PKC_MAX_ACTIONS; i += 2) {
+        step[i] = action(PKC_OP_UNPACK, 9, 0, 0, 0, 0);
+        step[i + 1] = action(PKC_OP_PACK, 9, i % 8, 0, 0, 0);
+    }
+    CHECK_OK(load_changed("ur5e", "\"tick\"", "0.04", "0.001", &cell));
+    CHECK_OK(pkc_schedule_create(cell, &scenario, PKC_MODE_COORDINATED, &schedule));
+    CHECK_FAILS(PKC_E_LIMIT, "ticks: must be at most 1048576",
+                pkc_schedule_add_step(schedule, s.bin, s.queue, step, PKC_MAX_ACTIONS));
+    CHECK_OK(pkc_schedule_info_init(&info, sizeof info));
+    CHECK_OK(pkc_schedule_get_info(schedule, &info));
+    assert_int_equal(info.steps, 0);
+    CHECK_OK(pkc_schedule_add_step(schedule, s.bin, s.queue, step, 2));
+    pkc_schedule_free(schedule);
+    pkc_cell_free(cell);
+    free_scene(&s);
+}
+
 static void simulation_arguments_are_checked(void **state) {
     scene s = make_scene("ur5e", "S-R5A3", PKC_MODE_COORDINATED);
     pkc_action first = action(PKC_OP_PACK, 0, 0, 0, 0, 0);
@@ -900,11 +943,44 @@ static void an_allocation_that_fails_is_told_and_leaks_nothing(void **state) {
     free_scene(&given);
 }
 
+/* What was added before stays, and the step can be added again. */
+static void a_step_for_which_memory_ends_changes_nothing(void **state) {
+    int32_t mode;
+    (void)state;
+    if (check_watched()) skip();
+    for (mode = PKC_MODE_SYNC_PAPER; mode <= PKC_MODE_COORDINATED; ++mode) {
+        scene s = make_scene("ur5e", "D-R5A3O1", mode);
+        pkc_action first = action(PKC_OP_PACK, 0, 0, 0, 0, 0);
+        pkc_action second = action(PKC_OP_PACK, 1, 4, 4, 0, 0);
+        pkc_schedule_info before;
+        pkc_schedule_info after;
+        pkc_status status = PKC_E_MEMORY;
+        uint64_t n;
+        add_step(&s, &first, 1);
+        CHECK_OK(pkc_schedule_info_init(&before, sizeof before));
+        CHECK_OK(pkc_schedule_info_init(&after, sizeof after));
+        CHECK_OK(pkc_schedule_get_info(s.schedule, &before));
+        for (n = 1; status != PKC_OK; n += 7) {
+            count_malloc_fail_at = n;
+            status = pkc_schedule_add_step(s.schedule, s.bin, s.queue, &second, 1);
+            count_malloc_fail_at = 0;
+            CHECK_OK(pkc_schedule_get_info(s.schedule, &after));
+            assert_int_equal(after.steps, status == PKC_OK ? 2 : 1);
+            if (status == PKC_OK) continue;
+            assert_int_equal(status, PKC_E_MEMORY);
+            assert_true(after.hash == before.hash);
+        }
+        assert_true(n > 8);
+        free_scene(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(presets_are_listed_and_made),
         cmocka_unit_test(the_paper_s_cell_has_its_cycle),
         cmocka_unit_test(a_description_gives_the_same_cell),
+        cmocka_unit_test(a_cell_that_reaches_few_zones_has_no_cycle),
         cmocka_unit_test(a_bad_description_is_told_by_field_and_value),
         cmocka_unit_test(saving_fails_cleanly),
         cmocka_unit_test(cell_arguments_are_checked),
@@ -918,6 +994,7 @@ int main(void) {
         cmocka_unit_test(a_sample_is_whole_at_both_ends),
         cmocka_unit_test(equal_work_gives_equal_schedules),
         cmocka_unit_test(a_full_buffer_is_told),
+        cmocka_unit_test(a_step_of_too_many_ticks_is_told),
         cmocka_unit_test(simulation_arguments_are_checked),
         cmocka_unit_test(a_schedule_without_steps_can_be_run),
         cmocka_unit_test(equal_runs_end_alike_on_any_thread),
@@ -925,6 +1002,7 @@ int main(void) {
         cmocka_unit_test(traces_are_written_whole_or_not_at_all),
         cmocka_unit_test(one_arm_has_no_second_lane),
         cmocka_unit_test(an_allocation_that_fails_is_told_and_leaks_nothing),
+        cmocka_unit_test(a_step_for_which_memory_ends_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -355,6 +355,7 @@ static void a_failing_begin_leaves_the_plan_before_it_or_none(void **state) {
     pkc_bin *clash = check_bin(8, 8);
     pkc_queue *queue = check_queue("S-R5A3");
     pkc_queue *other = check_queue("S-R1A1");
+    pkc_queue *unseen = check_queue("S-R1A1");
     pkc_budget budget = check_budget(1000);
     pkc_plan_info first = check_plan_info();
     pkc_plan_info second = check_plan_info();
@@ -369,6 +370,10 @@ static void a_failing_begin_leaves_the_plan_before_it_or_none(void **state) {
     CHECK_OK(pkc_planner_plan(planner, bin, queue, &budget, &first));
     CHECK_FAILS(PKC_E_STATE, "item 3", pkc_planner_plan(planner, clash, other, &budget, &second));
     assert_int_equal(second.actions, 0);
+    /* Also where the planner does not see the item yet. */
+    check_push(unseen, 7, 1, 1);
+    check_push(unseen, 3, 1, 1);
+    CHECK_FAILS(PKC_E_STATE, "item 3", pkc_planner_plan(planner, clash, unseen, &budget, &second));
     status = pkc_planner_result(planner, &second, actions, 16, &count);
     if (status == PKC_OK) {
         assert_true(second.hash == first.hash);
@@ -382,6 +387,7 @@ static void a_failing_begin_leaves_the_plan_before_it_or_none(void **state) {
     pkc_bin_free(clash);
     pkc_queue_free(queue);
     pkc_queue_free(other);
+    pkc_queue_free(unseen);
 }
 
 /* begin copies the state: bin and queue may change or go while the plan is made. */

@@ -242,6 +242,25 @@ static void write_all(const char *path, const uint8_t *bytes, size_t size) {
     assert_int_equal(fclose(file), 0);
 }
 
+/* Loading fails where byte `at` is 2, under the right checksum. */
+static void assert_fails_sealed(const char *path, const uint8_t *bytes, size_t size, size_t at,
+                                const char *why) {
+    uint8_t *changed = (uint8_t *)malloc(size);
+    pkc_trainer *loaded = NULL;
+    uint64_t hash = 0xcbf29ce484222325u;
+    size_t i;
+    assert_non_null(changed);
+    memcpy(changed, bytes, size);
+    changed[at] = 2;
+    for (i = 0; i < size - 8; ++i) hash = (hash ^ changed[i]) * 0x100000001b3u;
+    for (i = 0; i < 8; ++i) changed[size - 8 + i] = (uint8_t)(hash >> (8 * i));
+    write_all(path, changed, size);
+    assert_int_equal(pkc_trainer_load_file(path, &loaded), PKC_E_FORMAT);
+    assert_null(loaded);
+    assert_non_null(strstr(pkc_last_error(), why));
+    free(changed);
+}
+
 static void tables_are_learned_saved_and_learned_on_bit_for_bit(void **state) {
     static uint8_t whole[1 << 20];
     static uint8_t halves[1 << 20];
@@ -311,9 +330,19 @@ static void tables_are_learned_saved_and_learned_on_bit_for_bit(void **state) {
         assert_non_null(strstr(pkc_last_error(), path));
         assert_non_null(strstr(pkc_last_error(), ends[i]));
     }
+    /* What would be written in another way. */
+    assert_fails_sealed(path, checkpoint, size, 43,
+                        "byte 43: something follows the end of the name");
+    assert_fails_sealed(path, checkpoint, size, 65, "byte 65: mixed 2: must be 0 or 1");
     assert_int_equal(unlink(path), 0);
 
+    /* A number that it has no use for would be saved too, and could not be loaded. */
     trainer = NULL;
+    o.clip = NAN;
+    assert_int_equal(pkc_trainer_create(&o, &trainer), PKC_E_ARGUMENT);
+    assert_string_equal(pkc_last_error(), "clip nan: must be finite");
+    assert_null(trainer);
+    o.clip = 1;
     o.bin_w = 13;
     assert_int_equal(pkc_trainer_create(&o, &trainer), PKC_E_ARGUMENT);
     assert_string_equal(pkc_last_error(),

@@ -25,9 +25,13 @@ public:
         move.start = std::max(now_, belt_until_);
         move.duration = belt_time(cell_, from - to);
         move.shifts.push_back({item, from, to});
+        move.gone.swap(left_out_);
         belt_until_ = move.start + move.duration;
         schedule_.belt.push_back(move);
     }
+
+    // Goes with the belt's next move.
+    void leave_out(const Item &item) { left_out_.push_back(item.id); }
 
     void pick_from_belt(const Item &item, int zone = 0) {
         if (belt_until_ > now_) piece(Activity::kWait, rest(at_, belt_until_ - now_), item);
@@ -147,6 +151,7 @@ private:
     Coordinates at_{};
     double now_ = 0;
     double belt_until_ = 0;
+    std::vector<int32_t> left_out_;
     double turned_ = 0;  // of the item in the gripper against the tool
 };
 

@@ -190,6 +190,27 @@ void what_lies_in_the_bin_before_is_there(void **) {
 
 // ---- Jams ---------------------------------------------------------------------------------------
 
+// The belt moves on as soon as it stands, be it between two looks of the run.
+void an_item_may_be_skipped_as_it_arrives(void **) {
+    const CellLayout cell = cell_preset("ur5e");
+    SimulationOptions options;
+    options.hertz = 173;  // the belt's moves take no whole number of steps
+    int unseen = 0;
+    for (int from = 1; from <= 5; ++from) {
+        HandSchedule schedule(cell);
+        schedule.bring(item(1, 2, 2), from);
+        schedule.leave_out(item(1, 2, 2));
+        schedule.pack({item(2, 3, 2), 0, 0, 0});
+        const SimulationReport report =
+            simulate(cell, schedule.scenario(), schedule.finish(), options);
+        assert_int_equal(report.arrivals.back().item, 2);
+        assert_int_equal(report.places.size(), 1);
+        assert_true(report.places[0].outcome == PlaceOutcome::kPlaced);
+        if (report.arrivals.size() == 1) ++unseen;
+    }
+    assert_true(unseen > 0);
+}
+
 void an_item_planned_onto_another_jams_and_is_gone(void **) {
     const CellLayout cell = quick_cell();
     HandSchedule schedule(cell);
@@ -727,6 +748,7 @@ int main() {
         cmocka_unit_test(full_bins_of_many_items_lie_as_planned_in_every_cell),
         cmocka_unit_test(an_item_that_waited_in_the_buffer_lies_as_planned),
         cmocka_unit_test(what_lies_in_the_bin_before_is_there),
+        cmocka_unit_test(an_item_may_be_skipped_as_it_arrives),
         cmocka_unit_test(an_item_planned_onto_another_jams_and_is_gone),
         cmocka_unit_test(a_jammed_item_that_is_put_aside_can_be_placed_later),
         cmocka_unit_test(an_item_on_the_wall_jams),
