@@ -7,6 +7,7 @@
 #include <set>
 #include <thread>
 
+#include "common/clock.hpp"
 #include "common/interrupt.hpp"
 #include "fleet/mqtt_client.hpp"
 #include "fleet/pool.hpp"
@@ -17,14 +18,8 @@ namespace packcell_programs {
 namespace {
 
 using std::chrono::milliseconds;
-using Clock = std::chrono::steady_clock;
-
 constexpr milliseconds kConnectLimit{10'000};
 constexpr milliseconds kReadyLimit{30'000};
-
-double milliseconds_since(Clock::time_point then) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
-}
 
 PlanRequest copy_of(const pkc_bin *bin, const pkc_queue *queue, double plan_milliseconds) {
     PlanRequest request;

@@ -13,14 +13,13 @@
 #include "bench/child_process.hpp"
 #include "bench/gateway_cell.hpp"
 #include "bench/report.hpp"
+#include "common/clock.hpp"
 #include "common/errors.hpp"
 #include "common/interrupt.hpp"
 
 namespace packcell_programs {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr uint64_t kMostDripping = 7;  // of the eight connections there are
 constexpr int kBelt = 5;
@@ -102,7 +101,7 @@ Reads read_status(const Address &address, uint64_t count, uint64_t dripping) {
         uint16_t status[kStatusSize];
         const Clock::time_point start = Clock::now();
         if (!client.read(kStatus, kStatusSize, status)) break;
-        reads.times.add(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+        reads.times.add(milliseconds_since(start));
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     stop = true;

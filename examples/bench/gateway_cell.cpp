@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "common/clock.hpp"
 #include "common/errors.hpp"
 #include "gateway/core/channel.hpp"
 #include "gateway/core/command.hpp"
@@ -14,18 +15,12 @@ namespace packcell_programs {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kPatience = 5000;
 constexpr int32_t kBinSide = 10;
 constexpr uint16_t kLastItem = 65000;  // numbers begin anew: those of closed bins are free again
 constexpr uint16_t kPack = 1;
 constexpr uint16_t kUnpack = 2;
 constexpr uint16_t kTerminate = 3;
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 uint16_t number(Code code) { return static_cast<uint16_t>(code); }
 

@@ -1,7 +1,6 @@
 // The requester's side of the fleet: asks whichever planner the broker gives the request to.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -9,6 +8,7 @@
 #include <mutex>
 #include <string>
 
+#include "common/clock.hpp"
 #include "fleet/mqtt_client.hpp"
 #include "fleet/plan_json.hpp"
 
@@ -67,8 +67,6 @@ public:
     void cancel(uint64_t ticket);
 
 private:
-    using Clock = std::chrono::steady_clock;
-
     struct Call {
         uint64_t ticket = 0;
         bool cancelled = false;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/clock.hpp"
+
 namespace packcell_programs {
 
 namespace {
@@ -12,12 +14,6 @@ constexpr double kLeastMilliseconds = 0.5;
 // Of the time that there is, what the pool's planner and the whole way there and back may take.
 constexpr double kPoolPlanning = 0.3;
 constexpr double kPoolWaiting = 0.65;
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 }  // namespace
 

@@ -17,11 +17,6 @@ constexpr milliseconds kUnsubscribeLimit{2000};
 constexpr milliseconds kFlushLimit{5000};
 constexpr size_t kShownId = 80;
 
-double milliseconds_since(std::chrono::steady_clock::time_point then) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - then)
-        .count();
-}
-
 std::string milliseconds_text(double value) {
     return number_text(static_cast<double>(static_cast<int64_t>(value * 100)) / 100) + " ms";
 }

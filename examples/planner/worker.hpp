@@ -1,7 +1,6 @@
 // A planner of the fleet: takes requests from the broker, plans them and answers each once.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -10,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/clock.hpp"
 #include "fleet/mqtt_client.hpp"
 #include "fleet/plan_json.hpp"
 #include "fleet/pool.hpp"
@@ -43,8 +43,6 @@ public:
     void finish();
 
 private:
-    using Clock = std::chrono::steady_clock;
-
     struct Waiting {
         PlanJob job;
         std::string topic;
