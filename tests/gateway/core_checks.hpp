@@ -31,6 +31,7 @@ public:
             const Record &record = journal[accounted_];
             hold(record.sequence == accounted_ + 1, "the records' sequence has a gap");
             follow(record);
+            if (record.kind == RecordKind::kPlan) planned_[record.arm] = record.number;
             if (record.kind != RecordKind::kCommand) continue;
             ++commands[record.arm];
             hold(record.number == next_number(numbers_[record.arm]), "a number was left out");
@@ -42,6 +43,9 @@ public:
             const int behind = numbers_between(gateway.done(arm), gateway.ack(arm));
             // A PLAN_NEXT that has not ended may have let commands pass.
             hold(behind <= static_cast<int>(accounted_), "done is ahead of ack");
+            const unsigned base = arm == 0 ? kResultA : kResultB;
+            hold(gateway.at(base + kActionCount) == 0 || gateway.at(base) == planned_[arm],
+                 "a plan is shown that is not in the journal");
         }
         check_registers(gateway);
         check_cell(gateway.cell());
@@ -134,6 +138,7 @@ private:
 
     size_t accounted_ = 0;
     uint16_t numbers_[kArms] = {0, 0};
+    uint16_t planned_[kArms] = {0, 0};
     std::set<uint32_t> known_ids_;
     std::set<uint32_t> in_bin_;
     uint32_t closed_ = 0;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,11 @@ public:
         if (!reopens_) throw JournalFailure("the disk is still full");
         records_.resize(good_);
         broken_ = false;
+    }
+
+    // The power goes between the disk's work and the word that it is done.
+    void store_untold(const Record &record) {
+        if (!broken_) records_.push_back(record);
     }
 
     // What was promised to be durable.
@@ -176,6 +182,34 @@ public:
     void tick(int64_t ms = 10) {
         pass(ms);
         core_->tick(now_);
+        settle();
+    }
+
+    // While the disk is slow, a record under way stays so until settle_one().
+    void slow_disk(bool slow) {
+        slow_ = slow;
+        settle();
+    }
+    bool is_slow() const { return slow_; }
+    // The journal answers; false if it was not asked.
+    bool settle_one() {
+        if (core_->wants_reopen()) {
+            try {
+                journal_->reopen();
+                core_->reopened(now_);
+            } catch (const JournalFailure &failure) {
+                core_->reopen_failed(failure.what());
+            }
+            return true;
+        }
+        if (core_->record() == nullptr) return false;
+        try {
+            journal_->append(*core_->record());
+            core_->committed(now_);
+        } catch (const JournalFailure &failure) {
+            core_->commit_failed(failure.what(), now_);
+        }
+        return true;
     }
 
     uint16_t at(unsigned address) const { return core_->registers()[address]; }
@@ -196,6 +230,7 @@ public:
     void write(unsigned address, const std::vector<uint16_t> &values) {
         core_->write(static_cast<uint16_t>(address), values.data(),
                      static_cast<uint16_t>(values.size()), now_);
+        settle();
     }
     void write_block(int arm, const CommandBlock &block) { write(address_of(arm), block); }
 
@@ -252,14 +287,30 @@ public:
     bool plan() {
         const auto request = core_->next_request(now_);
         if (!request) return false;
-        core_->plan_done(request->ticket, planner_->plan(*request), now_);
+        plan_done(request->ticket, planner_->plan(*request));
         return true;
     }
     bool plan(const std::vector<pkc_action> &actions) {
         const auto request = core_->next_request(now_);
         if (!request) return false;
-        core_->plan_done(request->ticket, answer_of(actions), now_);
+        plan_done(request->ticket, answer_of(actions));
         return true;
+    }
+    void plan_done(uint64_t ticket, const PlanAnswer &answer) {
+        core_->plan_done(ticket, answer, now_);
+        settle();
+    }
+
+    // Nothing while the disk is slow.
+    std::optional<Refusal> take_order(uint16_t what, const JobOrder &order) {
+        core_->take_order(what, order, now_);
+        settle();
+        return core_->order_answer();
+    }
+    // Whether an order was stored or withdrawn.
+    bool order(uint16_t what, const JobOrder &order) {
+        const auto answer = take_order(what, order);
+        return answer && !*answer;
     }
 
     // The library's number of an item.
@@ -297,15 +348,21 @@ private:
         return at(static_cast<unsigned>(kAckSeqA + arm * kArmStatusSize + field));
     }
 
+    void settle() {
+        while (!slow_ && settle_one()) {
+        }
+    }
+
     void boot() {
         core_ = std::make_unique<Controller>(
-            settings_, *journal_,
-            [events = events_.get()](const Event &event) { events->push_back(event); });
+            settings_, [events = events_.get()](const Event &event) { events->push_back(event); });
         for (const Record &record : journal_->on_disk()) core_->restore(record);
         core_->start(now_);
+        settle_one();
     }
 
     ControllerSettings settings_;
+    bool slow_ = false;
     // Where the controller finds them, even if the gateway is moved.
     std::unique_ptr<MemoryJournal> journal_ = std::make_unique<MemoryJournal>();
     std::unique_ptr<std::vector<Event>> events_ = std::make_unique<std::vector<Event>>();

@@ -72,7 +72,8 @@ private:
 
     // ---- Requests
     void act() {
-        switch (below(16)) {
+        if (gateway_.is_slow() && below(3) == 0) disk_answers();
+        switch (below(17)) {
             case 0:
             case 1:
             case 2:
@@ -106,6 +107,9 @@ private:
                 break;
             case 14:
                 seldom();
+                break;
+            case 15:
+                change_disk();
                 break;
             default:
                 if (below(2) == 0) {
@@ -344,7 +348,7 @@ private:
         if (!request_) request_ = gateway_.core().next_request(gateway_.now());
         if (how == 0) {  // names nothing that was asked
             begin();
-            gateway_.core().plan_done(word(), answer_of({}), gateway_.now());
+            gateway_.plan_done(word(), answer_of({}));
             account();
             return;
         }
@@ -357,7 +361,7 @@ private:
         } else {
             const PlanAnswer plan = how == 3 ? answer_of(draw_actions()) : ask(request);
             if (!plan.actions.empty()) ++reached_.plans;
-            gateway_.core().plan_done(request.ticket, plan, gateway_.now());
+            gateway_.plan_done(request.ticket, plan);
         }
         account();
     }
@@ -378,6 +382,19 @@ private:
         return actions;
     }
 
+    // ---- A disk that takes its time, while all else goes on
+    bool disk_answers() {
+        begin();
+        const bool asked = gateway_.settle_one();
+        account();
+        return asked;
+    }
+    void change_disk() {
+        while (disk_answers()) {
+        }
+        gateway_.slow_disk(!gateway_.is_slow());
+    }
+
     // ---- What happens seldom
     void seldom() {
         switch (below(16)) {
@@ -396,13 +413,13 @@ private:
     }
 
     void order() {
+        if (is_ordered_ && !gateway_.core().order_answer()) return;
         begin();
         const uint16_t what = below(3) == 0 ? kOrderCancel : kOrderStore;
-        try {
-            gateway_.core().take_order(what, {1 + below(4), "{}"}, gateway_.now());
-        } catch (const JournalFailure &) {
+        const auto answer = gateway_.take_order(what, {1 + below(4), "{}"});
+        is_ordered_ = !answer;
+        if (answer && answer->reject == Reject::kJournal)
             hold(gateway_.journal().is_broken(), "an order failed without the journal");
-        }
         account();
     }
 
@@ -412,9 +429,12 @@ private:
     // The power goes: what comes back is what lived through it, by the records alone.
     void restart() {
         ++reached_.restarts;
-        // What got in although the journal failed is known from now on; the old cell learns it too.
+        // What got in although the journal failed, or was not told of it any more, is known from
+        // now on; the old cell learns it too.
         CellModel &old = gateway_.core().cell();
-        const MemoryJournal &journal = gateway_.journal();
+        MemoryJournal &journal = gateway_.journal();
+        const Record *under_way = gateway_.core().record();
+        if (under_way != nullptr && below(2) == 0) journal.store_untold(*under_way);
         const bool late = journal.keeps_too_much();
         if (late) old.apply(journal.on_disk().back());
         const Registers before = gateway_.core().registers();
@@ -425,6 +445,7 @@ private:
         begin();
         gateway_.restart(settings);
         request_.reset();
+        is_ordered_ = false;
         account();
         keep[0].apply(journal.back());
         check_same_cell(keep[0], gateway_.cell());
@@ -451,6 +472,7 @@ private:
 
     std::optional<Block> last_;
     uint32_t next_id_ = 0;
+    bool is_ordered_ = false;             // an order that is not answered
     std::optional<PlanRequest> request_;  // that the planner is at
     Shadow shadow_;
 };

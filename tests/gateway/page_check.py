@@ -27,6 +27,7 @@ from replay_check import BROWSERS, Browser  # noqa: E402
 
 PATIENCE = 30  # seconds until something that must come counts as missing
 MOST_STREAMS = 12
+MOST_STREAMS_A_PEER = 4
 SEED = 20260131
 
 STATE = {
@@ -147,9 +148,9 @@ class Answer:
 class Stream:
     """An open /events and the states that came by it."""
 
-    def __init__(self, server, receive_buffer=None):
-        self.connection = server.connect(receive_buffer)
-        self.connection.sendall(request("/events"))
+    def __init__(self, server, receive_buffer=None, host="127.0.0.1"):
+        self.connection = server.connect(receive_buffer, host)
+        self.connection.sendall(request("/events", host=host))
         self.buffer = b""
         self.events = []  # (id, data)
         self.ended = False
@@ -303,7 +304,33 @@ class Judge:
             answer = server.ask(request("/state"), own)
             self.expect(bool(answer) == welcome, f"from {own}, allowed {guests}: {answer[:60]}")
             self.alive(server, "after a stranger")
+            if guests and welcome:
+                self.hog(server, own)
             server.stop()
+
+    def hog(self, server, own):
+        """One peer that opens streams until it is refused keeps nobody else out."""
+        server.publish(STATE)
+        streams = [Stream(server, host=own) for _ in range(MOST_STREAMS_A_PEER)]
+        self.expect(all(s.read(PATIENCE) for s in streams), "a stream of a peer's share is refused")
+        for _ in range(2):
+            refused = Answer(server.ask(request("/events", host=own), own))
+            self.expect(refused.status == 429 and "retry-after" in refused.headers,
+                        f"stream {MOST_STREAMS_A_PEER + 1} of a peer: {refused.status}")
+        others = [Stream(server) for _ in range(MOST_STREAMS - MOST_STREAMS_A_PEER)]
+        self.expect(all(s.read(PATIENCE) for s in others), "a peer holds the streams of others")
+        self.expect(server.get("/events").status == 503, "more streams than there are")
+        others.pop().close()
+        streams.pop().close()
+        self.expect(eventually(lambda: self.opens(server, own)), "a peer's place is not given back")
+        for stream in (*streams, *others):
+            stream.close()
+
+    def opens(self, server, own):
+        stream = Stream(server, host=own)
+        opened = stream.read(PATIENCE)
+        stream.close()
+        return opened
 
     # ---- Who misbehaves -----------------------------------------------------------------------
 

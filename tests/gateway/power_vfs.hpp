@@ -5,6 +5,8 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +14,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "check.h"
@@ -71,6 +74,9 @@ public:
         until_failure_ = calls;
         failing_ = failing;
     }
+
+    // So long every sync takes from now on. From any thread.
+    void slow_down(std::chrono::milliseconds sync) { sync_ms_ = sync.count(); }
 
     // Every sector of every file that is not on the disk is kept or lost, with one chance for all
     // of them, and the machine runs again.
@@ -197,6 +203,8 @@ private:
 
     static int sync(sqlite3_file *base, int) {
         Disk &disk = *of(base)->disk;
+        if (const int64_t ms = current()->sync_ms_; ms > 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(ms));
         const int failed = current()->count(SQLITE_IOERR_FSYNC);
         if (failed == SQLITE_OK) {
             const Bytes written = read_bytes(*of(base)->path);
@@ -248,6 +256,7 @@ private:
     long until_failure_ = kNever;
     long failing_ = 0;
     bool cut_ = false;
+    std::atomic<int64_t> sync_ms_{0};
 };
 
 }  // namespace packcell_programs

@@ -120,21 +120,18 @@ void test_a_full_belt(void **) {
 
 void test_jobs_and_orders(void **) {
     Gateway gateway = cell_of(0);
-    Controller &core = gateway.core();
     assert_refused(Reject::kWrongState, gateway.job_end());
-    for (uint32_t id : {70000U, 5U, 6U})
-        assert_false(
-            static_cast<bool>(core.take_order(kOrderStore, {id, "{\"x\":1}"}, gateway.now())));
-    assert_true(static_cast<bool>(core.take_order(kOrderStore, {5, "{}"}, gateway.now())));
-    assert_true(static_cast<bool>(core.take_order(kOrderCancel, {4, ""}, gateway.now())));
+    for (uint32_t id : {70000U, 5U, 6U}) assert_true(gateway.order(kOrderStore, {id, "{\"x\":1}"}));
+    assert_false(gateway.order(kOrderStore, {5, "{}"}));
+    assert_false(gateway.order(kOrderCancel, {4, ""}));
     assert_int_equal(gateway.at32(kNextJob), 70000);
     assert_int_equal(gateway.at(kJobsWaiting), 3);
     assert_done(gateway.job_start(5));
     assert_int_equal(gateway.at(kJobsWaiting), 2);
     assert_refused(Reject::kWrongState, gateway.job_start(6));
     // What runs cannot be ordered again, until it has ended.
-    assert_true(static_cast<bool>(core.take_order(kOrderStore, {5, "{}"}, gateway.now())));
-    assert_false(static_cast<bool>(core.take_order(kOrderCancel, {70000, ""}, gateway.now())));
+    assert_false(gateway.order(kOrderStore, {5, "{}"}));
+    assert_true(gateway.order(kOrderCancel, {70000, ""}));
     assert_int_equal(gateway.at32(kNextJob), 6);
     gateway.restart();
     assert_int_equal(gateway.cell().job(), 5);
@@ -150,8 +147,7 @@ void test_jobs_and_orders(void **) {
     assert_done(gateway.job_start(99));
     assert_int_equal(gateway.at(kJobsWaiting), 1);
     // Job 0 is none, whatever runs.
-    assert_true(
-        static_cast<bool>(gateway.core().take_order(kOrderStore, {0, "{}"}, gateway.now())));
+    assert_false(gateway.order(kOrderStore, {0, "{}"}));
 }
 
 // ---- A step

@@ -121,7 +121,7 @@ void test_the_time_that_the_planner_gets(void **) {
     assert_int_equal(gateway.done(), gateway.ack() - 1);
     PlanAnswer answer = answer_of({gateway.pack(1, 0, 0)});
     answer.info.cancelled = 1;
-    gateway.core().plan_done(request->ticket, answer, gateway.now());
+    gateway.plan_done(request->ticket, answer);
     assert_false(gateway.core().wants_cancel());
     assert_int_equal(static_cast<int>(gateway.result()), 2);
     assert_int_equal(gateway.shown_count(0), 1);
@@ -133,7 +133,7 @@ void test_the_time_that_the_planner_gets(void **) {
     assert_true(request->milliseconds > 4.9 && request->milliseconds < 5.1);
     answer = answer_of({gateway.pack(2, 1, 0)});
     answer.info.proof = PKC_PROOF_BUDGET;
-    gateway.core().plan_done(request->ticket, answer, gateway.now());
+    gateway.plan_done(request->ticket, answer);
     assert_int_equal(static_cast<int>(gateway.result()), 2);
 }
 
@@ -161,7 +161,7 @@ void test_cancelling_by_number(void **) {
     // The next one waits until the planner has let go; what that did is not taken.
     assert_done(gateway.plan_next());
     assert_false(gateway.core().next_request(gateway.now()).has_value());
-    gateway.core().plan_done(request->ticket, answer_of({gateway.pack(1, 0, 0)}), gateway.now());
+    gateway.plan_done(request->ticket, answer_of({gateway.pack(1, 0, 0)}));
     assert_int_equal(gateway.done(), number);
     assert_false(gateway.core().wants_cancel());
     assert_true(gateway.plan());
@@ -189,7 +189,7 @@ void test_answers_to_other_requests_are_not_taken(void **) {
     assert_done(gateway.plan_next());
     const auto request = gateway.core().next_request(gateway.now());
     const PlanAnswer answer = answer_of({gateway.pack(1, 0, 0)});
-    gateway.core().plan_done(request->ticket + 1, answer, gateway.now());
+    gateway.plan_done(request->ticket + 1, answer);
     gateway.core().plan_failed(request->ticket + 7, "no", gateway.now());
     assert_int_equal(gateway.done(), gateway.ack() - 1);
     assert_state(gateway, PackmlState::kExecute);
@@ -203,7 +203,7 @@ void test_a_plan_that_went_stale(void **) {
     auto request = gateway.core().next_request(gateway.now());
     const PlanAnswer answer = answer_of({gateway.pack(1, 0, 0)});
     assert_done(gateway.gone(1));
-    gateway.core().plan_done(request->ticket, answer, gateway.now());
+    gateway.plan_done(request->ticket, answer);
     // There is time: it is planned anew.
     assert_int_equal(gateway.done(), gateway.ack() - 2);
     assert_true(gateway.core().wants_plan());
@@ -218,7 +218,7 @@ void test_a_plan_that_went_stale(void **) {
     assert_done(gateway.arrive(3, 1, 1));
     assert_done(gateway.placed(3, 0, 0));
     gateway.tick(98);
-    gateway.core().plan_done(request->ticket, other, gateway.now());
+    gateway.plan_done(request->ticket, other);
     assert_int_equal(static_cast<int>(gateway.result()), 3);
     assert_int_equal(gateway.done(), gateway.ack());
 }
@@ -254,8 +254,7 @@ void test_leaving_execute_cancels(void **) {
         const PackmlState acting = gateway.state();
         gateway.tick();
         assert_state(gateway, acting);
-        gateway.core().plan_done(request->ticket, answer_of({gateway.pack(1, 0, 0)}),
-                                 gateway.now());
+        gateway.plan_done(request->ticket, answer_of({gateway.pack(1, 0, 0)}));
         gateway.tick();
         assert_state(gateway, *packml_end(acting));
         assert_false(gateway.cell().step().has_open());
@@ -377,7 +376,7 @@ void test_a_lost_plc_holds(void **) {
     assert_true(gateway.core().plc_stale());
     assert_int_equal(static_cast<int>(gateway.result()), 4);
     assert_true(gateway.core().wants_cancel());
-    gateway.core().plan_done(request->ticket, answer_of({gateway.pack(1, 0, 0)}), gateway.now());
+    gateway.plan_done(request->ticket, answer_of({gateway.pack(1, 0, 0)}));
     gateway.tick();
     assert_state(gateway, PackmlState::kHeld);
     // It comes back, and nothing goes on by itself.

@@ -131,4 +131,26 @@ Command command_from(uint16_t code, const std::vector<uint8_t> &bytes) {
     return command;
 }
 
+std::string describe(const Command &c) {
+    std::string text = code_name(c.what());
+    switch (c.what()) {
+        case Code::kItemArrived:
+            return text + ' ' + std::to_string(c.id) + ' ' + std::to_string(c.w) + 'x' +
+                   std::to_string(c.h);
+        case Code::kPlanNext:
+            return text + ' ' + std::to_string(c.deadline) + " ms";
+        case Code::kPlaced:
+            return text + ' ' + std::to_string(c.id) + " at (" + std::to_string(c.x) + ", " +
+                   std::to_string(c.y) + ") rot " + std::to_string(c.rot);
+        case Code::kBinChanged:
+            return text + ' ' + std::to_string(c.w) + 'x' + std::to_string(c.h);
+        case Code::kResolve:
+            return text + ' ' + std::to_string(c.id) + (c.in_bin ? " in the bin" : " not in it");
+        case Code::kJobEnd:
+            return text;
+        default:
+            return text + ' ' + std::to_string(c.id);
+    }
+}
+
 }  // namespace packcell_programs

@@ -69,7 +69,8 @@ struct Command {
     }
 };
 
-const char *code_name(Code code);  // "ITEM_ARRIVED"
+const char *code_name(Code code);              // "ITEM_ARRIVED"
+std::string describe(const Command &command);  // "ITEM_ARRIVED 7 3x2"
 
 // Reads code, flags and payload of a command block (kCommandSize words). `command` has code and
 // flags even where the rest is refused.

@@ -13,6 +13,7 @@ constexpr uint16_t kMapMajor = 1;
 constexpr uint16_t kMapMinor = 2;
 
 constexpr int kArms = 2;
+constexpr const char *arm_name(int arm) { return arm == 0 ? "A" : "B"; }
 
 // Command blocks, one an arm.
 constexpr uint16_t kCommandA = 0;
@@ -23,6 +24,7 @@ constexpr uint16_t kCode = 1;
 constexpr uint16_t kFlags = 2;
 constexpr uint16_t kPayload = 3;
 constexpr uint16_t kSeqTail = 47;
+constexpr uint16_t command_block(int arm) { return arm == 0 ? kCommandA : kCommandB; }
 
 // The link: what goes past the commands.
 constexpr uint16_t kLink = 96;

@@ -46,7 +46,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kMostConnections = 16;
-constexpr int kMostStreams = 12;  // the others stay free for the page itself
+constexpr int kMostStreams = 12;      // the others stay free for the page itself
+constexpr int kMostStreamsAPeer = 4;  // but on this machine: a proxy speaks for many
 constexpr int kBacklog = 16;
 constexpr size_t kConnectionMemory = 32 * 1024;   // bytes; a longer request is refused
 constexpr unsigned kIdleSeconds = 8;              // of a connection on which nothing moves
@@ -72,6 +73,12 @@ Place read_place(const std::string &bind) {
     }
     throw UsageError("--http '" + bind +
                      "': must be HOST:PORT, HOST an IPv4 address or its name, PORT 0..65535");
+}
+
+uint32_t ipv4_of(const sockaddr *address) {
+    sockaddr_in inet{};
+    memcpy(&inet, address, sizeof inet);
+    return ntohl(inet.sin_addr.s_addr);
 }
 
 // A listening socket, owned by the caller.
@@ -122,8 +129,9 @@ public:
 private:
     // A client's stream: the message under way, and which state it was made of.
     struct Stream {
-        explicit Stream(Server *of) : server(of) {}
+        Stream(Server *of, uint32_t from) : server(of), peer(from) {}
         Server *server;
+        uint32_t peer;
         std::string message = "retry: 1000\n\n";
         size_t sent = 0;
         uint64_t number = 0;
@@ -140,7 +148,8 @@ private:
     Answer stream_of(MHD_Connection *connection);
     bool asks_for_us(MHD_Connection *connection) const;
     void next_message(Stream &stream);
-    void close_stream();
+    unsigned open_stream(MHD_Connection *connection, uint32_t peer);
+    void close_stream(uint32_t peer);
     void come(MHD_Connection *connection);
     void leave(MHD_Connection *connection);
     void watch();
@@ -167,6 +176,7 @@ private:
     uint64_t number_ = 0;  // of the state; 0: none was published
     Clock::time_point published_;
     int streams_ = 0;
+    std::map<uint32_t, int> streams_of_;  // by the peer's address; none that has none
     std::map<MHD_Connection *, Guest> guests_;
 
     MHD_Daemon *daemon_ = nullptr;
@@ -231,9 +241,7 @@ void HttpPage::Server::stop() {
 
 bool HttpPage::Server::admits(const sockaddr *address) const {
     if (address == nullptr || address->sa_family != AF_INET) return false;
-    sockaddr_in inet{};
-    memcpy(&inet, address, sizeof inet);
-    const uint32_t ipv4 = ntohl(inet.sin_addr.s_addr);
+    const uint32_t ipv4 = ipv4_of(address);
     return is_loopback(ipv4) || (allowed_ && allowed_(ipv4));
 }
 
@@ -307,23 +315,19 @@ Answer HttpPage::Server::answer(MHD_Connection *connection, const std::string &u
 }
 
 Answer HttpPage::Server::stream_of(MHD_Connection *connection) {
-    {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        if (streams_ < kMostStreams && !stopping_) {
-            ++streams_;
-            guests_.erase(connection);  // may stay as long as it reads
-        } else {
-            connection = nullptr;
-        }
-    }
-    if (connection == nullptr) {
-        Answer full = plain_answer(MHD_HTTP_SERVICE_UNAVAILABLE, "too many streams are open");
+    const auto *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    if (info == nullptr) throw Failure("a client without an address");
+    const uint32_t peer = ipv4_of(info->client_addr);
+    if (const unsigned refusal = open_stream(connection, peer)) {
+        Answer full = plain_answer(refusal, refusal == MHD_HTTP_TOO_MANY_REQUESTS
+                                                ? "too many streams are open from this address"
+                                                : "too many streams are open");
         add_header(full.response.get(), "Retry-After", "5");
         return full;
     }
     MHD_Response *made = nullptr;
     try {
-        auto stream = std::make_unique<Stream>(this);
+        auto stream = std::make_unique<Stream>(this, peer);
         made = MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, kConnectionMemory / 2,
                                                  &Server::on_read, stream.get(),
                                                  &Server::on_stream_end);
@@ -332,7 +336,7 @@ Answer HttpPage::Server::stream_of(MHD_Connection *connection) {
     } catch (...) {
         // As where the library has no memory for it.
     }
-    if (made == nullptr) close_stream();
+    if (made == nullptr) close_stream(peer);
     return {MHD_HTTP_OK, with_headers(made, "text/event-stream")};
 }
 
@@ -356,9 +360,23 @@ void HttpPage::Server::next_message(Stream &stream) {
     stream.number = number_;
 }
 
-void HttpPage::Server::close_stream() {
+// 0, or the status of the refusal.
+unsigned HttpPage::Server::open_stream(MHD_Connection *connection, uint32_t peer) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto own = streams_of_.find(peer);
+    if (own != streams_of_.end() && own->second >= kMostStreamsAPeer && !is_loopback(peer))
+        return MHD_HTTP_TOO_MANY_REQUESTS;
+    if (streams_ >= kMostStreams || stopping_) return MHD_HTTP_SERVICE_UNAVAILABLE;
+    ++streams_of_[peer];
+    ++streams_;
+    guests_.erase(connection);  // may stay as long as it reads
+    return 0;
+}
+
+void HttpPage::Server::close_stream(uint32_t peer) {
     const std::lock_guard<std::mutex> lock(mutex_);
     --streams_;
+    if (--streams_of_[peer] == 0) streams_of_.erase(peer);
 }
 
 // ---- Called by the library; no exception may pass -----------------------------------------------
@@ -398,7 +416,7 @@ ssize_t HttpPage::Server::on_read(void *stream, uint64_t, char *out, size_t capa
 
 void HttpPage::Server::on_stream_end(void *stream) {
     const std::unique_ptr<Stream> own(static_cast<Stream *>(stream));
-    own->server->close_stream();
+    own->server->close_stream(own->peer);
 }
 
 void HttpPage::Server::on_connection(void *self, MHD_Connection *connection, void **,

@@ -10,7 +10,9 @@ namespace packcell_programs {
 
 // Serves `/` (the page), `/state` (the latest state as JSON, once) and `/events` (states as
 // server-sent events) to GET and HEAD. Nothing that a client sends changes anything; clients are
-// 16 at most, 12 of them with a stream, and one that is slow or silent holds up no other.
+// 16 at most, 12 of them with a stream, and one that is slow or silent holds up no other. An
+// address that is not of this machine has 4 streams at most (429 for more; 503 where all 12 are
+// taken).
 //
 // Requests are answered only if their Host is an address, localhost or the name bound to: a page of
 // somebody else's, whose name was made to point here, gets nothing.
