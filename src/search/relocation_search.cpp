@@ -19,7 +19,7 @@ constexpr size_t kMostMoves = 32;
 RelocationSearch::RelocationSearch(int max_side, size_t max_items)
     : work_(max_side, max_side, max_items) {
     places_.reserve(kMostMoves);
-    // Every item goes home once at any moment, and takes at most all detours.
+    // Beside the detours each item reaches its last place once.
     relocations_.reserve(kMostMoves + kMostDetours);
     before_.reserve(kMostMoves + kMostDetours);
     seen_.reserve(kMostNodes);
