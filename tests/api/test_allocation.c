@@ -52,7 +52,7 @@ static int step(pkc_planner *planner, pkc_bin *bin, pkc_queue *queue, uint64_t n
     return info.terminate == 0;
 }
 
-static void plan_whole_streams(int32_t w, int32_t h, int bins) {
+static void plan_whole_streams(int32_t w, int32_t h, int32_t buffer, int bins) {
     uint64_t seed = 21;
     int32_t method;
     int32_t repack;
@@ -69,6 +69,7 @@ static void plan_whole_streams(int32_t w, int32_t h, int bins) {
                 options.method = method;
                 options.repack = repack;
                 options.rotation = (int32_t)(s & 1);
+                options.buffer_capacity = buffer;
                 options.max_side = w;
                 options.max_items = w * h;
                 options.memory = 65536;
@@ -94,14 +95,22 @@ static void plan_whole_streams(int32_t w, int32_t h, int bins) {
 static void planning_allocates_nothing_over_whole_streams(void **state) {
     (void)state;
     if (check_watched()) skip();
-    plan_whole_streams(9, 8, check_count(3, 30));
+    plan_whole_streams(9, 8, PKC_UNLIMITED, check_count(3, 30));
 }
 
 /* The default policy looks at bins of this size by its tables, and judges by their values. */
 static void planning_with_the_default_policy_s_tables_allocates_nothing(void **state) {
     (void)state;
     if (check_watched()) skip();
-    plan_whole_streams(10, 10, check_count(2, 30));
+    plan_whole_streams(10, 10, PKC_UNLIMITED, check_count(2, 30));
+}
+
+/* Items make detours through the bin there. */
+static void planning_with_small_buffers_allocates_nothing(void **state) {
+    int32_t buffer;
+    (void)state;
+    if (check_watched()) skip();
+    for (buffer = 0; buffer <= 1; ++buffer) plan_whole_streams(7, 7, buffer, check_count(3, 30));
 }
 
 /* The limits themselves, not only what is far from them. */
@@ -411,6 +420,7 @@ int main(void) {
         cmocka_unit_test(the_counter_counts_what_the_library_allocates),
         cmocka_unit_test(planning_allocates_nothing_over_whole_streams),
         cmocka_unit_test(planning_with_the_default_policy_s_tables_allocates_nothing),
+        cmocka_unit_test(planning_with_small_buffers_allocates_nothing),
         cmocka_unit_test(planning_at_the_limits_allocates_nothing),
         cmocka_unit_test(an_allocation_that_fails_is_told_and_leaks_nothing),
     };
