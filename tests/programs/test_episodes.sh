@@ -53,8 +53,12 @@ for policy in bottom-left skyline shelf-next-fit maxrects-cp maxrects-bssf; do
         D-R5A3O1 on anytime --policy $policy --budget-nodes 5000
 done
 for buffer in 0 1 2 unlimited; do
-    pack_and_judge buffers "$work/mixed.jsonl" $((stream_bins + sets)) \
-        D-R5A2O2 on anytime --buffer $buffer --budget-nodes 5000
+    for scenario in S-R1A1 D-R5A2O2; do
+        for repack in anytime full; do
+            pack_and_judge buffers "$work/mixed.jsonl" $((stream_bins + sets)) \
+                $scenario on $repack --buffer $buffer --budget-nodes 5000
+        done
+    done
 done
 for nodes in 1 2 10 100; do
     pack_and_judge budgets "$work/mixed.jsonl" $((stream_bins + sets)) \
