@@ -16,6 +16,7 @@
 #include <fstream>
 #include <thread>
 
+#include "common/clock.hpp"
 #include "common/errors.hpp"
 #include "common/interrupt.hpp"
 
@@ -24,8 +25,6 @@ namespace packcell_programs {
 namespace {
 
 using std::chrono::milliseconds;
-using Clock = std::chrono::steady_clock;
-
 constexpr milliseconds kPolled{10};
 constexpr milliseconds kEndLimit{5000};
 constexpr milliseconds kBrokerLimit{10'000};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/report.hpp"
+#include "common/clock.hpp"
 #include "common/handles.hpp"
 #include "common/interrupt.hpp"
 #include "common/packing_options.hpp"
@@ -21,7 +22,6 @@ namespace packcell_programs {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using TrainerHandle = Handle<pkc_trainer, pkc_trainer_free>;
 
 constexpr size_t kPairs = 64;

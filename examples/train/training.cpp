@@ -8,6 +8,7 @@
 #include <cstring>
 #include <iostream>
 
+#include "common/clock.hpp"
 #include "common/errors.hpp"
 #include "common/handles.hpp"
 #include "common/interrupt.hpp"
@@ -20,7 +21,6 @@ namespace packcell_programs {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using TrainerHandle = Handle<pkc_trainer, pkc_trainer_free>;
 
 // Runs between two looks at the clock and at interrupts, for each row.

@@ -18,6 +18,7 @@
 #include "fuzz/calls/misc.hpp"
 #include "fuzz/calls/planning.hpp"
 #include "fuzz/calls/steps.hpp"
+#include "support/splitmix.hpp"
 
 using namespace packcell_fuzz;
 
@@ -116,14 +117,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
 #ifndef PACKCELL_LIBFUZZER
 
 namespace {
-
-// SplitMix64.
-uint64_t next_random(uint64_t &state) {
-    uint64_t v = state += 0x9e3779b97f4a7c15u;
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
-    return v ^ (v >> 31);
-}
 
 Bytes draw_bytes(uint64_t seed) {
     uint64_t state = seed * 0x2545f4914f6cdd1du;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gateway/core_play.hpp"
+#include "support/splitmix.hpp"
 
 using namespace packcell_programs;
 
@@ -51,18 +52,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
 }
 
 #ifndef PACKCELL_LIBFUZZER
-
-namespace {
-
-// SplitMix64.
-uint64_t next_random(uint64_t &state) {
-    uint64_t v = state += 0x9e3779b97f4a7c15u;
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
-    return v ^ (v >> 31);
-}
-
-}  // namespace
 
 int main(int argc, char **argv) {
     uint64_t count = 200000;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gateway/core_play.hpp"
+#include "support/splitmix.hpp"
 
 extern "C" {
 #include <cmocka.h>
@@ -17,14 +18,6 @@ extern "C" {
 
 namespace packcell_programs {
 namespace {
-
-// SplitMix64.
-uint64_t next_random(uint64_t &state) {
-    uint64_t v = state += 0x9e3779b97f4a7c15u;
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
-    return v ^ (v >> 31);
-}
 
 bool check_all() {
     const char *all = std::getenv("PACKCELL_CHECK_ALL");

@@ -21,6 +21,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/clock.hpp"
 #include "common/errors.hpp"
 #include "common/numbers.hpp"
 #include "gateway/modbus/ipv4.hpp"
@@ -42,8 +43,6 @@ extern "C" const char packcell_operator_page_end[] __attribute__((visibility("hi
 namespace packcell_programs {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kMostConnections = 16;
 constexpr int kMostStreams = 12;      // the others stay free for the page itself
