@@ -58,7 +58,7 @@ bench: build
 	@echo
 	@build/bin/packcell-bench selection --sets 100 --seed $(SEED)
 	@echo
-	@build/bin/packcell-bench bound --bins 100 --seed $(SEED)
+	@build/bin/packcell-bench bound --bins 50 --seed $(SEED)
 	@echo
 	@build/bin/packcell-bench offline --sets 10 --seed $(SEED)
 	@echo

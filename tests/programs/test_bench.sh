@@ -82,7 +82,7 @@ shows full 100 full --sets 3
 grep -qE '^D-R2A2O2 +on .* 1\.90 ' "$work/text" || fail "full: the paper's repacked items"
 shows repack-time 100 repack-time --bins 2 --budgets 2 --buffers 1,unlimited
 shows selection 100 selection --sets 3
-shows bound 100 bound --bins 3 --bound-nodes 20000
+shows bound 100 bound --bins 3 --bound-nodes 20000 --held-nodes 2000
 shows offline 100 offline --sets 2
 shows large 100 large --sets 1
 
@@ -131,9 +131,12 @@ gives 'selection: a row for each, and method exact last' \
      and all(row["repack_successes"]["count"] <= row["repack_successes"]["of"] for row in rows)' \
     selection --sets 3 --select 1,2,all
 gives 'bound: nothing passes it' \
-    'len(rows) == 10 and all(row["below_bound"] > -1e-9 for row in rows)
-     and rows[0]["undecided_bins"] == 0' \
-    bound --bins 4
+    'len(rows) == 16 and all(row["below_bound"] > -1e-9 for row in rows)
+     and rows[0]["undecided"] == 0
+     and all(row["buffer"] == (1 if i % 8 > 4 else 0) for i, row in enumerate(rows))
+     and all(row["planner"] == "bound" for row in rows[0::8] + rows[5::8])
+     and rows[5]["utilization_percent"]["mean"] > rows[0]["utilization_percent"]["mean"]' \
+    bound --bins 4 --held-nodes 20000
 gives 'offline: R and A are all items' \
     'len(rows) == 4 and rows[0]["scenario"][:3] == "S-R" and rows[2]["scenario"][:3] == "D-R"
      and all(row["full_bins"]["of"] == 2 for row in rows)' \
