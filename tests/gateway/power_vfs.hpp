@@ -45,6 +45,7 @@ class PowerVfs {
 public:
     static constexpr const char *kName = "power";
     static constexpr long kNever = -1;
+    static constexpr int kMostHeldMs = 20000;
 
     PowerVfs() : real_(sqlite3_vfs_find(nullptr)), vfs_(*real_) {
         current() = this;
@@ -77,6 +78,11 @@ public:
 
     // So long every sync takes from now on. From any thread.
     void slow_down(std::chrono::milliseconds sync) { sync_ms_ = sync.count(); }
+
+    // From now on every sync waits until syncs are released, or for twenty seconds. From any
+    // thread.
+    void hold_syncs() { held_ = true; }
+    void release_syncs() { held_ = false; }
 
     // Every sector of every file that is not on the disk is kept or lost, with one chance for all
     // of them, and the machine runs again.
@@ -205,6 +211,9 @@ private:
         Disk &disk = *of(base)->disk;
         if (const int64_t ms = current()->sync_ms_; ms > 0)
             std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+        for (int ms = 0; current()->held_ && ms < kMostHeldMs; ++ms) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
         const int failed = current()->count(SQLITE_IOERR_FSYNC);
         if (failed == SQLITE_OK) {
             const Bytes written = read_bytes(*of(base)->path);
@@ -257,6 +266,7 @@ private:
     long failing_ = 0;
     bool cut_ = false;
     std::atomic<int64_t> sync_ms_{0};
+    std::atomic<bool> held_{false};
 };
 
 }  // namespace packcell_programs
