@@ -10,11 +10,23 @@ namespace {
 
 constexpr uint64_t kOddFactor = 0x9e3779b97f4a7c15u;
 
+constexpr uint64_t place_hash(int y, uint64_t high) {
+    return mix64(high + static_cast<uint64_t>(y + 1) * kOddFactor);
+}
+
+// Where no cell is beyond the 64th.
+constexpr std::array<uint64_t, kMaxSide> kPlaceHashes = [] {
+    std::array<uint64_t, kMaxSide> hashes{};
+    for (int y = 0; y < kMaxSide; ++y) hashes[static_cast<size_t>(y)] = place_hash(y, 0);
+    return hashes;
+}();
+
 // Contribution of row y with these bits to the occupancy hash.
 uint64_t row_hash(int y, Row row) {
     if (row == 0) return 0;
-    const uint64_t place = static_cast<uint64_t>(y + 1) * kOddFactor;
-    return mix64(static_cast<uint64_t>(row) ^ mix64(static_cast<uint64_t>(row >> 64) + place));
+    const auto high = static_cast<uint64_t>(row >> 64);
+    const uint64_t place = high == 0 ? kPlaceHashes[static_cast<size_t>(y)] : place_hash(y, high);
+    return mix64(static_cast<uint64_t>(row) ^ place);
 }
 
 // Bits where a run of `count` ones begins, by doubling.
@@ -85,17 +97,6 @@ void Bin::feasible(Size size, Positions &out) const {
     } else {
         feasible_rows<Row>(&rows_[1], w_, h_, size, out.rows.data());
     }
-}
-
-int Bin::contact(const Rect &r) const {
-    const Row across = row_ones(r.x, r.w);
-    const Row down = row_ones(r.y, r.h);
-    const auto x = static_cast<size_t>(r.x);
-    const auto y = static_cast<size_t>(r.y);
-    return row_count(rows_[y] & across) +
-           row_count(rows_[y + static_cast<size_t>(r.h) + 1] & across) +
-           row_count(columns_[x] & down) +
-           row_count(columns_[x + static_cast<size_t>(r.w) + 1] & down);
 }
 
 int Bin::free_boundary() const {

@@ -21,12 +21,15 @@ constexpr Row row_ones(int from, int count) {
     return count == 0 ? Row{0} : (~Row{0} >> (kMaxSide - count)) << from;
 }
 
+inline int row_count(uint64_t row) { return __builtin_popcountll(row); }
+
 inline int row_count(Row row) {
-    return __builtin_popcountll(static_cast<uint64_t>(row)) +
-           __builtin_popcountll(static_cast<uint64_t>(row >> 64));
+    return row_count(static_cast<uint64_t>(row)) + row_count(static_cast<uint64_t>(row >> 64));
 }
 
 // Lowest set bit; the row must not be 0.
+inline int row_lowest(uint64_t row) { return __builtin_ctzll(row); }
+
 inline int row_lowest(Row row) {
     const auto low = static_cast<uint64_t>(row);
     return low != 0 ? __builtin_ctzll(low) : 64 + __builtin_ctzll(static_cast<uint64_t>(row >> 64));
@@ -77,7 +80,9 @@ public:
     void feasible(Size size, Positions &out) const;
 
     // Contact reward r_low, eq. (3), of a rectangle inside the bin.
-    int contact(const Rect &r) const;
+    int contact(const Rect &r) const {
+        return w_ <= 64 && h_ <= 64 ? contact_by<uint64_t>(r) : contact_by<Row>(r);
+    }
 
     // Length of the border between free and occupied cells, walls included: the shorter it is, the
     // more compact is the space that is left.
@@ -96,6 +101,21 @@ public:
     void assign(const Bin &other);
 
 private:
+    // Lines that fit into a word are counted in one.
+    template <class Word>
+    int contact_by(const Rect &r) const {
+        constexpr int kBits = 8 * sizeof(Word);
+        const Word across = ~Word{0} >> (kBits - r.w) << r.x;
+        const Word down = ~Word{0} >> (kBits - r.h) << r.y;
+        const auto common = [](const Row &line, Word part) {
+            return row_count(static_cast<Word>(line) & part);
+        };
+        const auto x = static_cast<size_t>(r.x);
+        const auto y = static_cast<size_t>(r.y);
+        return common(rows_[y], across) + common(rows_[y + static_cast<size_t>(r.h) + 1], across) +
+               common(columns_[x], down) + common(columns_[x + static_cast<size_t>(r.w) + 1], down);
+    }
+
     void fill(const Rect &r);
     void erase(const Rect &r);
 

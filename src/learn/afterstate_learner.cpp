@@ -55,9 +55,7 @@ public:
           errors_(value_.entries().size(), 0.0f),
           strengths_(value_.entries().size(), 0.0f),
           bootstraps_(protocol.items == 0) {
-        uint32_t list[AfterstateFeatures::kMostCount];
-        const Bin empty(protocol.bin_w, protocol.bin_h);
-        width_ = static_cast<size_t>(value_.features().list(FreeCells(empty), list));
+        width_ = static_cast<size_t>(value_.features().count());
         hope();
     }
 

@@ -56,6 +56,13 @@ std::vector<uint16_t> mirror_classes(int bits) {
     return classes;
 }
 
+// To the right by 1..63 bits: less work than any number of bits.
+Row shifted(Row row, int by) {
+    const auto low = static_cast<uint64_t>(row);
+    const auto high = static_cast<uint64_t>(row >> 64);
+    return Row{high >> by} << 64 | (low >> by | high << (64 - by));
+}
+
 uint32_t unsigned_of(int value) { return static_cast<uint32_t>(value); }
 
 }  // namespace
@@ -115,6 +122,19 @@ AfterstateFeatures::AfterstateFeatures(const AfterstateShape &shape)
     columns_ = shape.square() ? rows_ : add_table("columns", {sides, kRings, 1u << shape.bin_h});
     counts_ = add_table("counts", {sides, sides, kCountSteps});
     fits_ = add_table("fits", {staircases, unsigned_of(shape.bin_w * shape.bin_h + 1)});
+    count_ = count_features();
+}
+
+int AfterstateFeatures::count_features() const {
+    const int m = shape_.most_side;
+    const auto runs = [m](int lines) {
+        int n = 0;
+        for (int k = 1; k <= std::min(m, lines); ++k) n += lines + 1 - k;
+        return n;
+    };
+    const int windows = (shape_.bin_w + 3 - kWindow) * (shape_.bin_h + 3 - kWindow);
+    const int sizes = shape_.rotation ? m * (m + 1) / 2 : m * m;
+    return windows + runs(shape_.bin_h) + runs(shape_.bin_w) + sizes + 1;
 }
 
 uint32_t AfterstateFeatures::add_table(const char *name, std::vector<uint32_t> shape) {
@@ -126,15 +146,10 @@ uint32_t AfterstateFeatures::add_table(const char *name, std::vector<uint32_t> s
     return offset;
 }
 
-int AfterstateFeatures::list(const FreeCells &free, uint32_t *out) const {
-    uint32_t *end = list_windows(free, out);
-    end = list_runs(free, end);
-    end = list_items(free, end);
-    return static_cast<int>(end - out);
-}
-
-// Every window of the bin with a wall of one cell around it.
-uint32_t *AfterstateFeatures::list_windows(const FreeCells &free, uint32_t *out) const {
+// Every window of the bin with a wall of one cell around it, row by row.
+template <class Put>
+int AfterstateFeatures::visit_windows(const FreeCells &free, const Rect &changed,
+                                      const Put &put) const {
     std::array<uint32_t, FreeCells::kMostSide + 2> padded;
     padded[0] = 0;
     for (int y = 0; y < free.h; ++y) {
@@ -143,49 +158,61 @@ uint32_t *AfterstateFeatures::list_windows(const FreeCells &free, uint32_t *out)
     padded[static_cast<size_t>(free.h) + 1] = 0;
     const int last_x = free.w + 2 - kWindow;
     const int last_y = free.h + 2 - kWindow;
-    for (int y = 0; y <= last_y; ++y) {
-        const uint32_t *row = &padded[static_cast<size_t>(y)];
-        const int ring_y = std::min({y, last_y - y, kRings - 1});
-        for (int x = 0; x <= last_x; ++x) {
-            const uint32_t pattern = (row[0] >> x & 15) | (row[1] >> x & 15) << 4 |
-                                     (row[2] >> x & 15) << 8 | (row[3] >> x & 15) << 12;
-            const int ring = std::min({x, last_x - x, ring_y});
-            *out++ = windows_ + unsigned_of(ring) * kWindowClasses + window_class_[pattern];
+    const int first_y = std::max(0, changed.y + 2 - kWindow);
+    const int end_y = std::min(last_y, changed.y + changed.h);
+    for (int x = std::max(0, changed.x + 2 - kWindow); x <= std::min(last_x, changed.x + changed.w);
+         ++x) {
+        const auto cells = [&](int y) { return padded[static_cast<size_t>(y)] >> x & 15; };
+        uint32_t pattern = cells(first_y) << 4 | cells(first_y + 1) << 8 | cells(first_y + 2) << 12;
+        const int ring_x = std::min({x, last_x - x, kRings - 1});
+        for (int y = first_y; y <= end_y; ++y) {
+            pattern = pattern >> 4 | cells(y + 3) << 12;
+            const int ring = std::min({y, last_y - y, ring_x});
+            put(y * (last_x + 1) + x,
+                windows_ + unsigned_of(ring) * kWindowClasses + window_class_[pattern]);
         }
     }
-    return out;
+    return (last_x + 1) * (last_y + 1);
 }
 
-// For k = 1.. neighbouring rows (and columns), where all k are free.
-uint32_t *AfterstateFeatures::list_runs(const FreeCells &free, uint32_t *out) const {
-    const auto add = [&](std::array<uint16_t, FreeCells::kMostSide> lines, int count, int length,
-                         uint32_t table, const std::vector<uint16_t> &classes) {
-        for (int k = 1; k <= std::min(shape_.most_side, count); ++k) {
-            for (int i = 0; i + k <= count; ++i) {
-                auto &line = lines[static_cast<size_t>(i)];
-                const int ring = std::min({i, count - k - i, kRings - 1});
-                *out++ = table + (unsigned_of((k - 1) * kRings + ring) << length) + classes[line];
-                if (i + k < count) line = line & lines[static_cast<size_t>(i) + 1];
+// For k = 1.. neighbouring lines, where all k are free. The lines from `first` to before `end` have
+// changed.
+template <class Put>
+int AfterstateFeatures::visit_runs(const Lines &lines, int first, int end, int next,
+                                   const Put &put) const {
+    const int most = std::min(shape_.most_side, lines.count);
+    for (int i = std::max(0, first + 1 - most); i < end; ++i) {
+        auto common = static_cast<uint16_t>((1u << lines.length) - 1);
+        uint32_t table = lines.table;
+        int feature = next + i;
+        for (int k = 1; k <= std::min(most, lines.count - i); ++k) {
+            const int last = lines.count - k;
+            common = common & lines.free[static_cast<size_t>(i + k - 1)];
+            if (i + k > first) {
+                const int ring = std::min({i, last - i, kRings - 1});
+                put(feature, table + (unsigned_of(ring) << lines.length) + lines.classes[common]);
             }
+            table += unsigned_of(kRings) << lines.length;
+            feature += last + 1;
         }
-    };
-    add(free.rows, free.h, free.w, rows_, row_class_);
-    add(free.columns, free.w, free.h, columns_, column_class_);
-    return out;
+    }
+    for (int k = 1; k <= most; ++k) next += lines.count - k + 1;
+    return next;
 }
 
 // For each item size how many placements there are; and which sizes have any, with how many cells
 // are free. Which sizes fit is a staircase: for each width the greatest height.
-uint32_t *AfterstateFeatures::list_items(const FreeCells &free, uint32_t *out) const {
+template <class Put>
+void AfterstateFeatures::visit_items(const FreeCells &free, int next, const Put &put) const {
     const int m = shape_.most_side;
-    const int stride = free.w + 1;
     int counts[kMostItemSide][kMostItemSide];
     Row across = free.cells;
     for (int w = 1; w <= m; ++w) {
-        if (w > 1) across &= free.cells >> (w - 1);
+        if (w > 1) across &= shifted(free.cells, w - 1);
         Row both = across;
+        Row line = across;
         for (int h = 1; h <= m; ++h) {
-            if (h > 1) both &= h <= free.h ? across >> (stride * (h - 1)) : Row{0};
+            if (h > 1) both &= line = shifted(line, free.w + 1);
             counts[w - 1][h - 1] = row_count(both);
         }
     }
@@ -199,7 +226,7 @@ uint32_t *AfterstateFeatures::list_items(const FreeCells &free, uint32_t *out) c
             if (shape_.rotation && h != w) count += counts[h][w];
             const int a = alike ? std::min(w, h) : w;
             const int b = alike ? std::max(w, h) : h;
-            *out++ = counts_ + unsigned_of((a * m + b) * kCountSteps + count_step(count));
+            put(next++, counts_ + unsigned_of((a * m + b) * kCountSteps + count_step(count)));
         }
         for (int h = m; h-- > 0 && heights[w] == 0;) {
             if (counts[w][h] > 0 || (shape_.rotation && counts[h][w] > 0)) heights[w] = h + 1;
@@ -223,8 +250,28 @@ uint32_t *AfterstateFeatures::list_items(const FreeCells &free, uint32_t *out) c
             rank += paths_[static_cast<size_t>(w) + 1][static_cast<size_t>(lower)];
         }
     }
-    *out++ = fits_ + rank * unsigned_of(shape_.bin_w * shape_.bin_h + 1) + unsigned_of(free.count);
-    return out;
+    put(next,
+        fits_ + rank * unsigned_of(shape_.bin_w * shape_.bin_h + 1) + unsigned_of(free.count));
+}
+
+template <class Put>
+void AfterstateFeatures::visit(const FreeCells &free, const Rect &changed, const Put &put) const {
+    int next = visit_windows(free, changed, put);
+    next = visit_runs({free.rows, free.h, free.w, rows_, row_class_}, changed.y,
+                      changed.y + changed.h, next, put);
+    next = visit_runs({free.columns, free.w, free.h, columns_, column_class_}, changed.x,
+                      changed.x + changed.w, next, put);
+    visit_items(free, next, put);
+}
+
+void AfterstateFeatures::list(const FreeCells &free, uint32_t *out) const {
+    const Rect all{0, 0, free.w, free.h};
+    visit(free, all, [out](int feature, uint32_t entry) { out[feature] = entry; });
+}
+
+void AfterstateFeatures::read(const FreeCells &free, const Rect &changed, const float *entries,
+                              float *out) const {
+    visit(free, changed, [=](int feature, uint32_t entry) { out[feature] = entries[entry]; });
 }
 
 }  // namespace packcell

@@ -59,18 +59,42 @@ public:
     const std::vector<Table> &tables() const { return tables_; }
     uint32_t size() const { return size_; }  // entries of all tables
 
-    // The entries that `free` names; returns how many there are, the same for every bin.
-    int list(const FreeCells &free, uint32_t *out) const;
+    // How many entries a bin names, the same for every bin.
+    int count() const { return count_; }
+
+    // Which ones `free` names.
+    void list(const FreeCells &free, uint32_t *out) const;
+
+    // What stands in them, where `out` has that already for a bin with which `free` agrees outside
+    // of `changed`.
+    void read(const FreeCells &free, const Rect &changed, const float *entries, float *out) const;
 
 private:
+    // The rows of a bin, or its columns, and what is said of them.
+    struct Lines {
+        const std::array<uint16_t, FreeCells::kMostSide> &free;
+        int count;
+        int length;
+        uint32_t table;
+        const std::vector<uint16_t> &classes;
+    };
+
+    int count_features() const;
     uint32_t add_table(const char *name, std::vector<uint32_t> shape);
-    uint32_t *list_windows(const FreeCells &free, uint32_t *out) const;
-    uint32_t *list_runs(const FreeCells &free, uint32_t *out) const;
-    uint32_t *list_items(const FreeCells &free, uint32_t *out) const;
+    // put(feature, entry) for the features that depend on the cells of `changed`, and maybe more.
+    template <class Put>
+    void visit(const FreeCells &free, const Rect &changed, const Put &put) const;
+    template <class Put>
+    int visit_windows(const FreeCells &free, const Rect &changed, const Put &put) const;
+    template <class Put>
+    int visit_runs(const Lines &lines, int first, int end, int next, const Put &put) const;
+    template <class Put>
+    void visit_items(const FreeCells &free, int next, const Put &put) const;
 
     AfterstateShape shape_;
     std::vector<Table> tables_;
     uint32_t size_ = 0;
+    int count_ = 0;
     uint32_t windows_ = 0;  // offsets of the tables
     uint32_t rows_ = 0;
     uint32_t columns_ = 0;

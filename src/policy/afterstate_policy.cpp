@@ -51,14 +51,115 @@ struct Candidates {
     Candidate *end() { return all.data() + count; }
 };
 
+// The values of the bins that rectangles leave behind.
+class Afterstates {
+public:
+    // Remembers as many values as there are places, a power of two, or none: items that are packed
+    // in another order often leave the same bin.
+    Afterstates(const AfterstateValue &value, size_t places) : value_(value), known_(places) {}
+
+    float operator()(const FreeCells &free) {
+        if (known_.empty()) return value_(free);
+        Known &known = place_of(free);
+        if (known.cells != free.cells || !known.set) known = {free.cells, value_(free), true};
+        return known.value;
+    }
+
+    // Of the candidates for a rectangle of this size.
+    void judge(const FreeCells &free, Size size, Candidates &candidates);
+
+private:
+    // So many sums are added up side by side, each in its own order: one alone would wait for its
+    // last addition all the time.
+    static constexpr int kLanes = 4;
+
+    struct Known {
+        Row cells = 0;
+        float value = 0;
+        bool set = false;
+    };
+    struct Lane {
+        Candidate *candidate;
+        Known *known;  // where it is remembered, or null
+        Row cells;
+        std::array<float, AfterstateFeatures::kMostCount> read;  // what its features name
+    };
+    using Lanes = std::array<Lane, kLanes>;
+
+    Known &place_of(const FreeCells &free) {
+        const auto low = static_cast<uint64_t>(free.cells);
+        const auto high = static_cast<uint64_t>(free.cells >> 64);
+        return known_[mix64(low ^ mix64(high)) & (known_.size() - 1)];
+    }
+    void add_up(const Lanes &lanes, int used) const;
+
+    const AfterstateValue &value_;
+    std::vector<Known> known_;
+};
+
+void Afterstates::judge(const FreeCells &free, Size size, Candidates &candidates) {
+    const AfterstateFeatures &features = value_.features();
+    Lanes lanes;
+    int used = 0;
+    const float *entries = value_.entries().data();
+    std::array<float, AfterstateFeatures::kMostCount> before;
+    bool read = false;
+    for (Candidate &c : candidates) {
+        const Rect taken{c.x, c.y, size.w, size.h};
+        FreeCells after = free;
+        after.take(taken);
+        Known *known = known_.empty() ? nullptr : &place_of(after);
+        if (known != nullptr && known->set && known->cells == after.cells) {
+            c.value = known->value;
+            continue;
+        }
+        if (!read) features.read(free, {0, 0, free.w, free.h}, entries, before.data());
+        read = true;
+        Lane &lane = lanes[static_cast<size_t>(used++)];
+        lane.candidate = &c;
+        lane.known = known;
+        lane.cells = after.cells;
+        std::copy_n(before.begin(), features.count(), lane.read.begin());
+        features.read(after, taken, entries, lane.read.data());
+        if (used < kLanes) continue;
+        add_up(lanes, used);
+        used = 0;
+    }
+    add_up(lanes, used);
+}
+
+void Afterstates::add_up(const Lanes &lanes, int used) const {
+    if (used == 0) return;
+    const auto lane = [&](int i) {
+        return lanes[static_cast<size_t>(i < used ? i : 0)].read.data();
+    };
+    const float *lane0 = lane(0), *lane1 = lane(1), *lane2 = lane(2), *lane3 = lane(3);
+    float sum0 = 0, sum1 = 0, sum2 = 0, sum3 = 0;
+    for (int f = 0; f < value_.features().count(); ++f) {
+        sum0 += lane0[f];
+        sum1 += lane1[f];
+        sum2 += lane2[f];
+        sum3 += lane3[f];
+    }
+    const std::array<float, kLanes> sums{sum0, sum1, sum2, sum3};
+    for (int i = 0; i < used; ++i) {
+        const Lane &done = lanes[static_cast<size_t>(i)];
+        done.candidate->value = sums[static_cast<size_t>(i)];
+        if (done.known != nullptr) {
+            *done.known = {done.cells, sums[static_cast<size_t>(i)], true};
+        }
+    }
+}
+
 // The positions of a size that are worth a look, row by row, with the values of what they leave.
-void list_candidates(const AfterstateValue &value, const Bin &bin, const FreeCells &free, Size size,
+void list_candidates(Afterstates &values, const Bin &bin, const FreeCells &free, Size size,
                      Candidates &out) {
     Positions positions;
     bin.feasible(size, positions);
     int most_contact = 0;
     for (int y = 0; y < positions.count; ++y) {
-        for (Row row = positions.rows[static_cast<size_t>(y)]; row != 0; row &= row - 1) {
+        auto row = static_cast<uint64_t>(positions.rows[static_cast<size_t>(y)]);
+        for (; row != 0; row &= row - 1) {
             const int x = row_lowest(row);
             const int contact = bin.contact({x, y, size.w, size.h});
             most_contact = std::max(most_contact, contact);
@@ -69,11 +170,20 @@ void list_candidates(const AfterstateValue &value, const Bin &bin, const FreeCel
         return c.contact < most_contact - kContactMargin;
     };
     out.count = static_cast<int>(std::remove_if(out.begin(), out.end(), too_loose) - out.begin());
-    for (Candidate &c : out) {
-        FreeCells after = free;
-        after.take({c.x, c.y, size.w, size.h});
-        c.value = value(after);
+    values.judge(free, size, out);
+}
+
+int best_position(Afterstates &values, const Bin &bin, const FreeCells &free, Size size,
+                  float *out_value) {
+    Candidates candidates;
+    list_candidates(values, bin, free, size, candidates);
+    const Candidate *best = nullptr;
+    for (const Candidate &c : candidates) {
+        if (best == nullptr || c.value > best->value) best = &c;
     }
+    if (best == nullptr) return bin.cells();
+    *out_value = best->value;
+    return best->x + best->y * bin.w();
 }
 
 void evaluate_positions(const AfterstateValue &value, const Bin &bin, Size size, Evaluation &out) {
@@ -113,6 +223,7 @@ public:
     AfterstateSession(std::string name, std::shared_ptr<const AfterstateValue> value)
         : name_(std::move(name)),
           value_(std::move(value)),
+          afterstates_(*value_, kAfterstates),
           next_(value_->features().shape().bin_w, value_->features().shape().bin_h, kMaxSide),
           positions_(kPlaces),
           values_(kPlaces) {}
@@ -128,9 +239,10 @@ public:
         Known<int> &known = positions_[key % kPlaces];
         if (known.key != key || !known.set) {
             float value = 0;
-            const int position = effort == Effort::kHigh
-                                     ? look_ahead(bin, size)
-                                     : best_afterstate(*value_, bin, FreeCells(bin), size, &value);
+            const int position =
+                effort == Effort::kHigh
+                    ? look_ahead(bin, size)
+                    : best_position(afterstates_, bin, FreeCells(bin), size, &value);
             known = {key, true, position};
         }
         return known.answer;
@@ -141,7 +253,8 @@ public:
         Known<float> &known = values_[key % kPlaces];
         if (known.key != key || !known.set) {
             const FreeCells free(bin);
-            const float further = effort == Effort::kHigh ? expected(bin, free) : (*value_)(free);
+            const float further =
+                effort == Effort::kHigh ? expected(bin, free) : afterstates_(free);
             known = {key, true, whole_value(bin, further)};
         }
         return known.answer;
@@ -156,6 +269,7 @@ public:
 
 private:
     static constexpr size_t kPlaces = 1 << 12;
+    static constexpr size_t kAfterstates = 1 << 13;
 
     template <class T>
     struct Known {
@@ -169,6 +283,7 @@ private:
 
     std::string name_;
     std::shared_ptr<const AfterstateValue> value_;
+    mutable Afterstates afterstates_;
     ContactPolicy contact_;
     mutable Bin next_;  // a bin that is thought of
     mutable std::vector<Known<int>> positions_;
@@ -179,7 +294,7 @@ private:
 // behind: one exact step ahead of the value itself.
 float AfterstateSession::expected(const Bin &bin, const FreeCells &free) const {
     const AfterstateShape &shape = value_->features().shape();
-    const float here = value_->misfit_keeps() > 0 ? (*value_)(free)*value_->misfit_keeps() : 0;
+    const float here = value_->misfit_keeps() > 0 ? afterstates_(free) * value_->misfit_keeps() : 0;
     float sum = 0;
     for (int w = 1; w <= shape.most_side; ++w) {
         for (int h = shape.rotation ? w : 1; h <= shape.most_side; ++h) {
@@ -189,7 +304,7 @@ float AfterstateSession::expected(const Bin &bin, const FreeCells &free) const {
             for (int turned = 0; turned < (weight > 1 ? 2 : 1); ++turned) {
                 const Size size = turned == 0 ? Size{w, h} : Size{h, w};
                 float after = 0;
-                if (best_afterstate(*value_, bin, free, size, &after) == bin.cells()) continue;
+                if (best_position(afterstates_, bin, free, size, &after) == bin.cells()) continue;
                 after += static_cast<float>(w * h);
                 if (!fits || after > best) best = after;
                 fits = true;
@@ -204,7 +319,7 @@ float AfterstateSession::expected(const Bin &bin, const FreeCells &free) const {
 int AfterstateSession::look_ahead(const Bin &bin, Size size) const {
     Candidates candidates;
     const FreeCells free(bin);
-    list_candidates(*value_, bin, free, size, candidates);
+    list_candidates(afterstates_, bin, free, size, candidates);
     std::sort(candidates.begin(), candidates.end(), [](const Candidate &a, const Candidate &b) {
         if (a.value != b.value) return a.value > b.value;
         return a.y != b.y ? a.y < b.y : a.x < b.x;
@@ -291,15 +406,8 @@ std::shared_ptr<const AfterstateValue> read_value(const Weights &weights, bool r
 
 int best_afterstate(const AfterstateValue &value, const Bin &bin, const FreeCells &free, Size size,
                     float *out_value) {
-    Candidates candidates;
-    list_candidates(value, bin, free, size, candidates);
-    const Candidate *best = nullptr;
-    for (const Candidate &c : candidates) {
-        if (best == nullptr || c.value > best->value) best = &c;
-    }
-    if (best == nullptr) return bin.cells();
-    *out_value = best->value;
-    return best->x + best->y * bin.w();
+    Afterstates values(value, 0);
+    return best_position(values, bin, free, size, out_value);
 }
 
 void append_tensors(const AfterstateValue &value, std::vector<Tensor> &tensors) {

@@ -25,9 +25,9 @@ public:
 
     float operator()(const FreeCells &free) const {
         uint32_t list[AfterstateFeatures::kMostCount];
-        const int count = features_.list(free, list);
+        features_.list(free, list);
         float sum = 0;
-        for (int i = 0; i < count; ++i) sum += entries_[list[i]];
+        for (int i = 0; i < features_.count(); ++i) sum += entries_[list[i]];
         return sum;
     }
 

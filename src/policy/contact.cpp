@@ -2,13 +2,18 @@
 
 namespace packcell {
 
-int ContactPolicy::select(const Bin &bin, Size size) const {
+namespace {
+
+// Word: a row of the bin.
+template <class Word>
+int most_contact(const Bin &bin, Size size) {
     Positions positions;
     bin.feasible(size, positions);
     int best = bin.cells();
     int best_contact = -1;
     for (int y = 0; y < positions.count; ++y) {
-        for (Row row = positions.rows[static_cast<size_t>(y)]; row != 0; row &= row - 1) {
+        auto row = static_cast<Word>(positions.rows[static_cast<size_t>(y)]);
+        for (; row != 0; row &= row - 1) {
             const int x = row_lowest(row);
             const int contact = bin.contact({x, y, size.w, size.h});
             if (contact > best_contact) {
@@ -18,6 +23,12 @@ int ContactPolicy::select(const Bin &bin, Size size) const {
         }
     }
     return best;
+}
+
+}  // namespace
+
+int ContactPolicy::select(const Bin &bin, Size size) const {
+    return bin.w() <= 64 ? most_contact<uint64_t>(bin, size) : most_contact<Row>(bin, size);
 }
 
 }  // namespace packcell

@@ -4,12 +4,6 @@
 
 namespace packcell {
 
-namespace {
-
-constexpr size_t kBucket = 4;
-
-}  // namespace
-
 SeenStates::SeenStates(uint64_t memory) : mask_(0) {
     size_t count = kBucket;
     while (count * 2 * sizeof(Entry) <= memory) count *= 2;
@@ -25,10 +19,9 @@ void SeenStates::clear() {
 }
 
 uint32_t SeenStates::meet(uint64_t key, uint32_t rank) {
-    const uint64_t spread = mix64(key);
-    Entry *bucket = &entries_[(spread & mask_) / kBucket * kBucket];
-    Entry *replace = bucket;
-    for (Entry *e = bucket; e != bucket + kBucket; ++e) {
+    Entry *first = &entries_[bucket(key)];
+    Entry *replace = first;
+    for (Entry *e = first; e != first + kBucket; ++e) {
         if (e->generation != generation_) {
             replace = e;
             break;

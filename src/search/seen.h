@@ -21,7 +21,14 @@ public:
     // Two states share an entry only when their 64-bit keys agree.
     uint32_t meet(uint64_t key, uint32_t rank);
 
+    // Fetches what meet() is about to look at.
+    void prefetch(uint64_t key) const { __builtin_prefetch(&entries_[bucket(key)]); }
+
 private:
+    static constexpr size_t kBucket = 4;
+
+    size_t bucket(uint64_t key) const { return (mix64(key) & mask_) / kBucket * kBucket; }
+
     struct Entry {
         uint64_t key = 0;
         uint32_t generation = 0;

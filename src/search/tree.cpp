@@ -168,9 +168,11 @@ bool TreeSearch::visit(Node &node, const Candidate &candidate) {
         judge(true, placed);
         solved_ = options_.require_full && bin_.full() && view_->reachable(placed) == placed;
     } else if (options_.merge) {
+        const uint64_t key = state_key(placed);
+        seen_.prefetch(key);
         const Picks picks = choose_picks(*view_, chi_.data(), static_cast<int>(chi_length_));
         const auto rank = static_cast<uint32_t>(picks.depth_sum);
-        leaf = seen_.meet(state_key(placed), rank) <= rank;
+        leaf = seen_.meet(key, rank) <= rank;
     }
     const size_t before = depth_;
     if (!leaf) expand(placed);

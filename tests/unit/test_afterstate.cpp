@@ -162,11 +162,49 @@ void bins_that_cannot_be_held_are_told(void **) {
 }
 
 std::vector<uint32_t> entries_of(const AfterstateFeatures &features, const Bin &bin) {
-    std::vector<uint32_t> list(AfterstateFeatures::kMostCount);
-    const int count = features.list(FreeCells(bin), list.data());
-    assert_in_range(count, 1, AfterstateFeatures::kMostCount);
-    list.resize(static_cast<size_t>(count));
+    constexpr uint32_t kUnset = UINT32_MAX;
+    assert_in_range(features.count(), 1, AfterstateFeatures::kMostCount);
+    const auto count = static_cast<size_t>(features.count());
+    std::vector<uint32_t> list(count + 1, kUnset);
+    features.list(FreeCells(bin), list.data());
+    assert_true(std::find(list.begin(), list.end(), kUnset) == list.begin() + features.count());
+    list.resize(count);
     return list;
+}
+
+// Entries that are their own numbers are read as what list() gives.
+void reading_what_a_rectangle_changes_is_reading_all(void **) {
+    Random random(seed_of(__func__));
+    for (const AfterstateShape &shape : kShapes) {
+        const AfterstateFeatures features(shape);
+        std::vector<float> numbers(features.size());
+        for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<float>(i);
+        const auto count = static_cast<size_t>(features.count());
+        std::vector<float> before(count), after(count);
+        for (int round = 0; round < 30; ++round) {
+            const Bin bin = random_bin(random, shape.bin_w, shape.bin_h);
+            const FreeCells free(bin);
+            features.read(free, {0, 0, free.w, free.h}, numbers.data(), before.data());
+            const std::vector<uint32_t> listed = entries_of(features, bin);
+            assert_true(std::equal(before.begin(), before.end(), listed.begin()));
+            for (int y = 0; y < free.h; ++y) {
+                for (int x = 0; x < free.w; ++x) {
+                    Rect r{x, y, 1, 1};
+                    if (!bin.is_free(r)) continue;
+                    while (bin.is_free({x, y, r.w + 1, r.h}) && random.below(3) > 0) ++r.w;
+                    while (bin.is_free({x, y, r.w, r.h + 1}) && random.below(3) > 0) ++r.h;
+                    FreeCells left = free;
+                    left.take(r);
+                    after = before;
+                    features.read(left, r, numbers.data(), after.data());
+                    Bin packed = bin;
+                    packed.block(r);
+                    const std::vector<uint32_t> anew = entries_of(features, packed);
+                    assert_true(std::equal(after.begin(), after.end(), anew.begin()));
+                }
+            }
+        }
+    }
 }
 
 std::vector<uint32_t> sorted_entries(const AfterstateFeatures &features, const Bin &bin) {
@@ -918,6 +956,7 @@ int main() {
         cmocka_unit_test(taking_cells_gives_what_building_from_the_bin_gives),
         cmocka_unit_test(bins_that_cannot_be_held_are_told),
         cmocka_unit_test(images_of_a_bin_name_the_same_entries),
+        cmocka_unit_test(reading_what_a_rectangle_changes_is_reading_all),
         cmocka_unit_test(most_different_bins_name_different_entries),
         cmocka_unit_test(every_entry_lies_in_its_table_and_their_number_is_fixed),
         cmocka_unit_test(staircases_of_sizes_that_fit_are_numbered_without_gaps),
