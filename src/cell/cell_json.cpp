@@ -308,6 +308,7 @@ Json parse(const std::string &text) {
 
 // Degrees that angle() reads as these radians.
 Json degrees(double value) {
+    if (value == 0) return value;  // with its sign
     const double near = value * 180 / kPi;
     char text[32];
     std::snprintf(text, sizeof text, "%.15g", near);

@@ -143,6 +143,10 @@ void any_angle_and_number_is_read_as_it_was(void **) {
         cell.bin.gap = 0.001 * random.unit();
         assert_round_trip(cell);
     }
+    CellLayout cell = cell_preset("ur5e");
+    cell.arms[0].base.yaw = -0.0;
+    cell.arms[0].home.x = -0.0;
+    assert_round_trip(cell);
 }
 
 void a_known_arm_is_named_and_angles_are_in_degrees(void **) {
