@@ -367,7 +367,7 @@ Json figures(const ArmModel &arm) {
 }
 
 Json model(const ArmModel &arm) {
-    const Json all = figures(arm);
+    Json all = figures(arm);
     for (int i = 0; arm_model_name(i) != nullptr; ++i)
         if (all == figures(arm_model(arm_model_name(i)))) return arm_model_name(i);
     return all;

@@ -217,7 +217,7 @@ void AfterstateFeatures::visit_items(const FreeCells &free, int next, const Put 
         }
     }
     const bool alike = shape_.square() || shape_.rotation;
-    int heights[kMostItemSide];
+    int heights[kMostItemSide] = {};
     for (int w = 0; w < m; ++w) {
         heights[w] = 0;
         for (int h = 0; h < m; ++h) {
@@ -234,7 +234,7 @@ void AfterstateFeatures::visit_items(const FreeCells &free, int next, const Put 
     }
     if (alike && !shape_.rotation) {
         // Of the staircase and its mirror image the one that is higher first.
-        int mirrored[kMostItemSide];
+        int mirrored[kMostItemSide] = {};
         for (int h = 1; h <= m; ++h) {
             mirrored[h - 1] = static_cast<int>(
                 std::count_if(heights, heights + m, [h](int n) { return n >= h; }));
